@@ -1,0 +1,52 @@
+# pickcell_module(NAME [DEPENDS module...] [PUBLIC lib...] [PRIVATE lib...])
+#
+# The one way to declare a module: folder pickcell/NAME becomes the library pickcell::NAME from every .cpp in it, its headers
+# a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and every *_test.cpp the
+# test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the module's headers
+# (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by tools/check_includes.py.
+function(pickcell_module NAME)
+  cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
+  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp)
+  file(GLOB tests CONFIGURE_DEPENDS ${dir}/*_test.cpp)
+  if(tests)
+    list(REMOVE_ITEM sources ${tests})
+  endif()
+  set(target pickcell_${NAME})
+  add_library(${target} STATIC ${sources})
+  add_library(pickcell::${NAME} ALIAS ${target})
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${headers})
+  set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+  list(TRANSFORM M_DEPENDS PREPEND pickcell::)
+  target_link_libraries(${target} PUBLIC ${M_DEPENDS} ${M_PUBLIC} PRIVATE ${M_PRIVATE})
+  pickcell_warnings(${target})
+  if(tests AND PICKCELL_WITH_TESTS)
+    pickcell_test(${NAME}_test LABEL unit SOURCES ${tests} LIBS pickcell::${NAME} ${M_PRIVATE})
+  endif()
+endfunction()
+
+# pickcell_test(NAME LABEL unit|data|... SOURCES file... [LIBS lib...] [TIMEOUT_S n]): a GoogleTest program. Skipped tests are
+# reported as skipped by CTest.
+function(pickcell_test NAME)
+  cmake_parse_arguments(T "" "LABEL;TIMEOUT_S" "SOURCES;LIBS" ${ARGN})
+  if(NOT T_TIMEOUT_S)
+    set(T_TIMEOUT_S 300)
+  endif()
+  add_executable(${NAME} ${T_SOURCES})
+  target_link_libraries(${NAME} PRIVATE ${T_LIBS} GTest::gmock GTest::gtest_main)
+  target_precompile_headers(${NAME} PRIVATE <gtest/gtest.h> <gmock/gmock.h>)
+  target_compile_definitions(${NAME} PRIVATE PICKCELL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  pickcell_warnings(${NAME})
+  include(GoogleTest)
+  gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+endfunction()
+
+function(pickcell_warnings TARGET)
+  target_compile_options(${TARGET} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
+    -Woverloaded-virtual -Wimplicit-fallthrough)
+  if(PICKCELL_WARNINGS_AS_ERRORS)
+    target_compile_options(${TARGET} PRIVATE -Werror)
+  endif()
+endfunction()

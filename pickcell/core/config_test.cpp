@@ -1,0 +1,53 @@
+#include "pickcell/core/config.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pickcell::core {
+namespace {
+
+TEST(Config, ReadsTypedValuesAndAcceptsKnownKeys) {
+  auto config = Config::parse("a = 1.5\nn = 7\nname = \"x\"\nT = [[1, 0], [0, 1]]\n[sub]\nb = true\n", "t.toml");
+  ASSERT_TRUE(config);
+  EXPECT_DOUBLE_EQ(config->number("a"), 1.5);
+  EXPECT_EQ(config->integer("n"), 7);
+  EXPECT_EQ(config->string("name"), "x");
+  EXPECT_EQ(config->matrix("T").size(), 2u);
+  EXPECT_TRUE(config->table("sub").boolean_or("b", false));
+  EXPECT_TRUE(config->finish());
+}
+
+TEST(Config, UnknownKeyNamesTheNearestKnownOne) {
+  auto config = Config::parse("exposure_su = 100\n", "t.toml");
+  ASSERT_TRUE(config);
+  config->number_or("exposure_us", 1);
+  const auto status = config->finish();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().line(), "t.toml: unknown key 'exposure_su'; did you mean 'exposure_us'?");
+}
+
+TEST(Config, MissingAndMistypedValuesAreNamedWithTheirTable) {
+  auto config = Config::parse("[camera]\nfx_px = \"wide\"\n", "t.toml");
+  ASSERT_TRUE(config);
+  auto camera = config->table("camera");
+  camera.number("fx_px");
+  EXPECT_EQ(config->finish().error().why, "'camera.fx_px' must be a finite number");
+  auto missing = Config::parse("", "t.toml");
+  missing->table("camera").number("fx_px");
+  EXPECT_EQ(missing->finish().error().why, "'camera.fx_px' is missing");
+}
+
+TEST(Config, NotANumberIsRefused) {
+  auto config = Config::parse("a = nan\n", "t.toml");
+  ASSERT_TRUE(config);
+  config->number("a");
+  EXPECT_FALSE(config->finish());
+}
+
+TEST(Config, BrokenTextSaysTheLine) {
+  const auto config = Config::parse("a = 1\nb = = 2\n", "t.toml");
+  ASSERT_FALSE(config);
+  EXPECT_NE(config.error().why.find("line 2"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pickcell::core
