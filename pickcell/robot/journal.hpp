@@ -1,6 +1,6 @@
 #pragma once
-/// The record that makes a hand-over happen at most once (docs/belt.md section 10): an intent is durable before the first
-/// byte of a pick is sent. The SQLite implementation lives in cell; the rules that use it live in hand_over.
+/// The record that makes a hand-over happen at most once (docs/belt.md section 10): an intent is durable before the
+/// first byte of a pick is sent. The SQLite implementation lives in cell; the rules that use it live in hand_over.
 
 #include <cstdint>
 #include <optional>
@@ -20,9 +20,9 @@ struct JournalRow {
   std::uint64_t detection_id = 0;
   int place_slot = 0;
   std::string model;
-  std::string payload;   ///< the poses as sent, for people
+  std::string payload;  ///< the poses as sent, for people
   CommandState state = CommandState::intent;
-  int result = 0;        ///< B013 / B011 of the controller
+  int result = 0;  ///< B013 / B011 of the controller
   std::int64_t t_intent_us = 0, t_sent_us = 0, t_done_us = 0;
 };
 
@@ -32,7 +32,8 @@ class Journal {
   virtual ~Journal() = default;
   [[nodiscard]] virtual core::Status record_intent(const JournalRow& row) = 0;
   [[nodiscard]] virtual core::Status record_sent(std::int32_t sequence, std::int64_t t_us) = 0;
-  [[nodiscard]] virtual core::Status record_end(std::int32_t sequence, CommandState state, int result, std::int64_t t_us) = 0;
+  [[nodiscard]] virtual core::Status record_end(std::int32_t sequence, CommandState state, int result,
+                                                std::int64_t t_us) = 0;
   [[nodiscard]] virtual core::Status record_epoch(std::int32_t epoch) = 0;
   /// Highest epoch and sequence ever recorded; 0 when empty.
   [[nodiscard]] virtual core::Result<std::int32_t> last_epoch() = 0;
