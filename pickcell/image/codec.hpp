@@ -1,6 +1,6 @@
 #pragma once
-/// Picture files. Everything is matched in 8-bit grey: colour is converted by ITU-R BT.601 luma, 16-bit samples keep their
-/// upper byte (rounded), alpha is ignored.
+/// Picture files. Everything is matched in 8-bit grey: colour is converted by ITU-R BT.601 luma, 16-bit samples are scaled to
+/// 8 bit (65535 becomes 255) and rounded, alpha and gamma are ignored.
 
 #include <cstddef>
 #include <filesystem>
