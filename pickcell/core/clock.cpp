@@ -1,7 +1,6 @@
 #include "pickcell/core/clock.hpp"
 
 #include <algorithm>
-#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -18,11 +17,22 @@ class RealSeat final : public Seat {
  public:
   RealSeat(const RealClock& clock, std::chrono::steady_clock::time_point start) : clock_(clock), start_(start) {}
   [[nodiscard]] TimePoint now() const override { return clock_.now(); }
-  void sleep_until(TimePoint t) override { std::this_thread::sleep_until(start_ + t.time_since_epoch()); }
+  void sleep_until(TimePoint t) override {
+    std::unique_lock lock(mutex_);
+    stirred_.wait_until(lock, start_ + t.time_since_epoch(), [this] { return interrupted_; });
+  }
+  void interrupt() override {
+    const std::lock_guard lock(mutex_);
+    interrupted_ = true;
+    stirred_.notify_all();
+  }
 
  private:
   const RealClock& clock_;
   std::chrono::steady_clock::time_point start_;
+  std::mutex mutex_;
+  std::condition_variable stirred_;
+  bool interrupted_ = false;
 };
 
 }  // namespace
@@ -43,6 +53,7 @@ class SimulatedClock::SimulatedSeat final : public Seat {
   ~SimulatedSeat() override { clock_.leave(party_); }
   [[nodiscard]] TimePoint now() const override { return clock_.now(); }
   void sleep_until(TimePoint t) override { clock_.sleep_until(party_, t); }
+  void interrupt() override { clock_.interrupt(party_); }
 
  private:
   SimulatedClock& clock_;
@@ -62,16 +73,24 @@ std::int64_t SimulatedClock::unix_us() const {
 
 std::unique_ptr<Seat> SimulatedClock::join(std::string party) {
   const std::lock_guard lock(mutex_);
-  parties_.push_back(std::make_unique<Party>(Party{std::move(party), false, {}}));
+  parties_.push_back(std::make_unique<Party>(Party{std::move(party), false, {}, false}));
   return std::make_unique<SimulatedSeat>(*this, *parties_.back());
 }
 
 void SimulatedClock::sleep_until(Party& party, TimePoint t) {
   std::unique_lock lock(mutex_);
+  if (party.interrupted) return;
   party.sleeping = true;
   party.wake = std::max(t, now_);
   advance_locked();
   changed_.wait(lock, [&] { return !party.sleeping; });
+}
+
+void SimulatedClock::interrupt(Party& party) {
+  const std::lock_guard lock(mutex_);
+  party.interrupted = true;
+  party.sleeping = false;
+  changed_.notify_all();
 }
 
 void SimulatedClock::leave(Party& party) {

@@ -1,6 +1,7 @@
 #pragma once
-/// One notion of time for every process deadline. A real clock follows the machine; a simulated one jumps to the next event
-/// when every party waits for it, one party at a time, so that a run is the same every time and as fast as the machine.
+/// One notion of time for every process deadline. A real clock follows the machine; a simulated one jumps to the next
+/// event when every party waits for it, one party at a time, so that a run is the same every time and as fast as the
+/// machine.
 
 #include <chrono>
 #include <condition_variable>
@@ -26,14 +27,18 @@ constexpr double seconds(Duration d) { return std::chrono::duration<double>(d).c
 inline double seconds(TimePoint t) { return seconds(t.time_since_epoch()); }
 inline Duration duration_s(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
-/// A party's right to wait on a clock; one per thread that lives in the clock's time. Not thread-safe itself: one thread
-/// uses one seat. While a seat exists and its owner does not sleep on it, simulated time stands still.
+/// A party's right to wait on a clock; one per thread that lives in the clock's time. Not thread-safe itself: one
+/// thread uses one seat; only interrupt() may come from any thread. While a seat exists and its owner does not sleep on
+/// it, simulated time stands still.
 class Seat {
  public:
   virtual ~Seat() = default;
   [[nodiscard]] virtual TimePoint now() const = 0;
-  /// Returns when the time has come; at once when it has passed.
+  /// Returns when the time has come; at once when it has passed, or after interrupt().
   virtual void sleep_until(TimePoint t) = 0;
+  /// For stopping a party from outside, whether time moves or stands: the sleep in progress and every later one on this
+  /// seat return at once. Final. The party sees why by a stop flag of its own, and gives up its seat. Thread-safe.
+  virtual void interrupt() = 0;
   void sleep_for(Duration d) { sleep_until(now() + d); }
 };
 
@@ -62,9 +67,9 @@ class RealClock final : public Clock {
   std::int64_t start_unix_us_;
 };
 
-/// Discrete-event clock. Time moves only when every seat sleeps; then exactly one seat, the earliest (ties: by name), runs
-/// until it sleeps again. Threads without a seat (socket servers) may run at any moment and must only react. All parties
-/// should have joined before the first one sleeps, or hold a seat open for them. Thread-safe.
+/// Discrete-event clock. Time moves only when every seat sleeps; then exactly one seat, the earliest (ties: by name),
+/// runs until it sleeps again. Threads without a seat (socket servers) may run at any moment and must only react. All
+/// parties should have joined before the first one sleeps, or hold a seat open for them. Thread-safe.
 class SimulatedClock final : public Clock {
  public:
   /// unix_start_us: the wall time that simulated time zero stands for.
@@ -80,8 +85,10 @@ class SimulatedClock final : public Clock {
     std::string name;
     bool sleeping = false;
     TimePoint wake{};
+    bool interrupted = false;
   };
   void sleep_until(Party& party, TimePoint t);
+  void interrupt(Party& party);
   void leave(Party& party);
   void advance_locked();
 

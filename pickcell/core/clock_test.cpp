@@ -24,8 +24,9 @@ TEST(SimulatedClock, OnlyOnePartyRunsAtATimeInTheOrderOfTheEvents) {
     std::jthread ta(party, std::move(a), "a", 10ms, 6);
     std::jthread tb(party, std::move(b), "b", 15ms, 4);
   }
-  const std::vector<std::pair<std::string, double>> expected = {
-      {"a", .01}, {"b", .015}, {"a", .02}, {"a", .03}, {"b", .03}, {"a", .04}, {"b", .045}, {"a", .05}, {"a", .06}, {"b", .06}};
+  const std::vector<std::pair<std::string, double>> expected = {{"a", .01}, {"b", .015}, {"a", .02},  {"a", .03},
+                                                                {"b", .03}, {"a", .04},  {"b", .045}, {"a", .05},
+                                                                {"a", .06}, {"b", .06}};
   EXPECT_EQ(events, expected);
 }
 
@@ -42,6 +43,31 @@ TEST(SimulatedClock, TimeStandsStillWhileAPartyIsAwake) {
   awake->sleep_for(2ms);
   EXPECT_TRUE(woke);
   EXPECT_EQ(clock.now().time_since_epoch(), Duration(2ms));
+}
+
+TEST(SimulatedClock, ASleeperIsStoppedWhileTimeStandsStill) {
+  SimulatedClock clock;
+  auto awake = clock.join("awake");  // never sleeps: nobody else's time comes
+  auto seat = clock.join("sleeper");
+  std::jthread sleeper([&seat] {
+    seat->sleep_for(1h);
+    seat->sleep_for(1h);
+  });
+  seat->interrupt();
+  sleeper.join();
+  seat.reset();
+  EXPECT_EQ(seconds(clock.now()), 0);
+  awake->sleep_for(1ms);
+  EXPECT_EQ(clock.now().time_since_epoch(), Duration(1ms));
+}
+
+TEST(RealClock, ASleeperIsStopped) {
+  RealClock clock;
+  auto seat = clock.join("sleeper");
+  std::jthread sleeper([&seat] { seat->sleep_for(1h); });
+  seat->interrupt();
+  sleeper.join();
+  EXPECT_LT(seconds(clock.now()), 60);
 }
 
 TEST(RealClock, FollowsTheMachine) {
