@@ -1,0 +1,141 @@
+#include "pickcell/cell/cell_config.hpp"
+
+namespace pickcell::cell {
+
+using core::Config;
+
+namespace {
+
+double positive(Config& table, const char* key, double otherwise) {
+  const double v = table.number_or(key, otherwise);
+  if (v <= 0) table.problem(key, "must be above 0");
+  return v;
+}
+
+int whole(Config& table, const char* key, int otherwise, int lo, int hi) {
+  const std::int64_t v = table.integer_or(key, otherwise);
+  if (v < lo || v > hi) table.problem(key, "must be within " + std::to_string(lo) + " and " + std::to_string(hi));
+  return static_cast<int>(v);
+}
+
+std::array<double, 3> triple(Config& table, const char* key) {
+  const std::vector<double> v = table.numbers(key);
+  if (v.size() == 3) return {v[0], v[1], v[2]};
+  if (!v.empty()) table.problem(key, "must have three numbers: x, y, z");
+  return {};
+}
+
+CameraConfig read_camera(Config table) {
+  CameraConfig out;
+  out.source = table.string("source");
+  out.id = table.string_or("id", "");
+  out.fps = table.number_or("fps", 0);
+  out.loop = table.boolean_or("loop", false);
+  if (out.fps < 0) table.problem("fps", "must not be negative");
+  return out;
+}
+
+RobotConfig read_robot(Config table) {
+  RobotConfig out;
+  out.link = table.string("link");
+  out.model = table.string_or("model", "gp7");
+  out.frame = whole(table, "frame", 0, 0, 65);
+  out.tool = whole(table, "tool", 1, 0, 63);
+  out.allow_motion = table.boolean_or("allow_motion", false);
+  return out;
+}
+
+CalibrationConfig read_calibration(Config table) {
+  CalibrationConfig out;
+  out.camera = table.path("camera");
+  if (table.has("handeye")) {
+    table.path_if("handeye");
+    table.problem("handeye", "is not supported yet: a fixed camera with 'plane' is");
+  } else {
+    out.plane = table.path("plane");
+  }
+  out.max_age_days = positive(table, "max_age_days", 365);
+  return out;
+}
+
+LimitsConfig read_limits(Config table) {
+  LimitsConfig out;
+  out.place_mm = positive(table, "place_mm", out.place_mm);
+  out.place_deg = positive(table, "place_deg", out.place_deg);
+  out.grasp_mm = positive(table, "grasp_mm", out.grasp_mm);
+  out.grasp_deg = positive(table, "grasp_deg", out.grasp_deg);
+  out.speed_pct = positive(table, "speed_pct", out.speed_pct);
+  if (out.speed_pct > 100) table.problem("speed_pct", "must be at most 100");
+  out.box_min_mm = triple(table, "box_min_mm");
+  out.box_max_mm = triple(table, "box_max_mm");
+  for (std::size_t i = 0; i < 3; ++i)
+    if (table.has("box_min_mm") && table.has("box_max_mm") && out.box_min_mm[i] >= out.box_max_mm[i]) {
+      table.problem("box_max_mm", "must be above box_min_mm in every direction");
+      break;
+    }
+  return out;
+}
+
+PlaceConfig read_place(Config table) {
+  PlaceConfig out;
+  out.origin_mm = triple(table, "origin_mm");
+  out.angle_deg = table.number_or("angle_deg", 0);
+  out.rows = whole(table, "rows", 1, 1, 1000);
+  out.cols = whole(table, "cols", 1, 1, 1000);
+  out.pitch_x_mm = table.number_or("pitch_x_mm", 0);
+  out.pitch_y_mm = table.number_or("pitch_y_mm", 0);
+  if (out.cols > 1 && out.pitch_x_mm == 0) table.problem("pitch_x_mm", "is needed for more than one column");
+  if (out.rows > 1 && out.pitch_y_mm == 0) table.problem("pitch_y_mm", "is needed for more than one row");
+  return out;
+}
+
+PartConfig read_part(Config table) {
+  PartConfig out;
+  out.model = table.path("model");
+  if (table.has("height_mm")) {
+    out.height_mm = table.number("height_mm");
+    if (*out.height_mm < 0) table.problem("height_mm", "must not be negative");
+  }
+  out.place = read_place(table.table("place"));
+  return out;
+}
+
+FeedConfig read_feed(Config table) {
+  FeedConfig out;
+  const std::string kind = table.string_or("kind", "none");
+  if (kind == "indexed")
+    out.kind = FeedKind::indexed;
+  else if (kind != "none")
+    table.problem("kind", "must be \"none\" or \"indexed\"");
+  out.advance_contact = whole(table, "advance_contact", out.advance_contact, 1, 99999);
+  out.moving_contact = whole(table, "moving_contact", out.moving_contact, 1, 99999);
+  out.timeout_s = positive(table, "timeout_s", out.timeout_s);
+  out.look_again_s = positive(table, "look_again_s", out.look_again_s);
+  out.empty_pitches_max = whole(table, "empty_pitches_max", out.empty_pitches_max, 0, 1'000'000);
+  return out;
+}
+
+}  // namespace
+
+CellConfig read_cell_config(Config& config, const std::filesystem::path& file) {
+  CellConfig out;
+  out.file = file;
+  Config cell = config.table("cell");
+  out.name = cell.string_or("name", file.stem().string());
+  out.state_dir = cell.path_if("state_dir").value_or(std::filesystem::absolute(file).parent_path() / "state");
+  out.stop_after_refused = whole(cell, "stop_after_refused", out.stop_after_refused, 1, 1000);
+  out.attempts_per_part = whole(cell, "attempts_per_part", out.attempts_per_part, 1, 100);
+  out.pick_timeout_s = positive(cell, "pick_timeout_s", out.pick_timeout_s);
+  out.record_frames = cell.boolean_or("record_frames", false);
+  out.camera = read_camera(config.table("camera"));
+  out.robot = read_robot(config.table("robot"));
+  out.calibration = read_calibration(config.table("calibration"));
+  out.limits = read_limits(config.table("limits"));
+  out.feed = read_feed(config.table("feed"));
+  for (const Config& part : config.tables("part")) out.parts.push_back(read_part(part));
+  if (out.parts.empty()) config.problem("part", "is missing: at least one [[part]] is needed");
+  out.listen = config.table("server").string_or("listen", out.listen);
+  return out;
+}
+
+}  // namespace pickcell::cell
