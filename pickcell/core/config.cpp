@@ -1,6 +1,7 @@
 #include "pickcell/core/config.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <deque>
 #include <numeric>
@@ -57,6 +58,29 @@ std::optional<std::vector<double>> number_list(const toml::node* node) {
     const auto v = finite_number(&item);
     if (!v) return std::nullopt;
     out.push_back(*v);
+  }
+  return out;
+}
+
+/// A scalar as written; nullopt for tables, dates and lists in lists.
+std::optional<std::string> scalar_text(const toml::node& node) {
+  if (node.is_string()) return node.value<std::string>();
+  if (node.is_boolean()) return *node.value<bool>() ? "true" : "false";
+  if (node.is_integer()) return std::to_string(*node.value<std::int64_t>());
+  if (!finite_number(&node)) return std::nullopt;
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), *node.value<double>()).ptr;
+  return std::string(buffer, end);
+}
+
+std::optional<std::string> node_text(const toml::node* node) {
+  const toml::array* list = node ? node->as_array() : nullptr;
+  if (!list) return node ? scalar_text(*node) : std::nullopt;
+  std::string out;
+  for (const toml::node& item : *list) {
+    const auto text = scalar_text(item);
+    if (!text) return std::nullopt;
+    out += (out.empty() ? "" : ",") + *text;
   }
   return out;
 }
@@ -153,6 +177,12 @@ bool Config::boolean_or(std::string_view key, bool otherwise) {
   if (!node) return otherwise;
   if (!node->is_boolean()) problem(key, "must be true or false");
   return node->value<bool>().value_or(otherwise);
+}
+
+std::string Config::text(std::string_view key) {
+  const auto v = node_text(PICKCELL_NODE(key));
+  if (!v) problem(key, has(key) ? "must be a string, a finite number, a boolean or a list of these" : "is missing");
+  return v.value_or("");
 }
 
 std::vector<double> Config::numbers(std::string_view key) {

@@ -49,5 +49,18 @@ TEST(Config, BrokenTextSaysTheLine) {
   EXPECT_NE(config.error().why.find("line 2"), std::string::npos);
 }
 
+TEST(Config, TextGivesValuesOfFreeKeysInWords) {
+  auto config = Config::parse("a = 0.9\nb = 3\nc = true\nd = \"subpixel\"\ne = [0.9, 1, 1.1]\nf = {x = 1}\n", "t.toml");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->text("a"), "0.9");
+  EXPECT_EQ(config->text("b"), "3");
+  EXPECT_EQ(config->text("c"), "true");
+  EXPECT_EQ(config->text("d"), "subpixel");
+  EXPECT_EQ(config->text("e"), "0.9,1,1.1");
+  EXPECT_TRUE(config->finish().error().why.find("unknown key 'f'") != std::string::npos);
+  EXPECT_EQ(config->text("f"), "");
+  EXPECT_FALSE(config->finish());
+}
+
 }  // namespace
 }  // namespace pickcell::core
