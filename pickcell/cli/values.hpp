@@ -1,0 +1,27 @@
+#pragma once
+/// Values of options that several commands share. All errors are usage errors that name the option.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pickcell/core/result.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/model.hpp"
+
+namespace pickcell::cli {
+
+/// Comma-separated finite numbers, `1,-2.5`.
+[[nodiscard]] core::Result<std::vector<double>> parse_numbers(const std::string& option, const std::string& text);
+
+/// `lo,hi` with lo <= hi.
+[[nodiscard]] core::Result<matches::Range> parse_range(const std::string& option, const std::string& text);
+
+/// `x,y,w,h`, whole numbers, w and h at least 1.
+[[nodiscard]] core::Result<matches::SearchOptions::Roi> parse_roi(const std::string& option, const std::string& text);
+
+/// Engine settings from a TOML file (--params, "" for none) and KEY=VALUE (--set), which win.
+[[nodiscard]] core::Result<matches::Settings> parse_settings(const std::vector<std::string>& key_values,
+                                                             const std::string& params_file);
+
+}  // namespace pickcell::cli
