@@ -26,11 +26,11 @@ struct Detection {
   std::uint64_t id = 0;
   std::string part;
   double x_px = 0, y_px = 0, angle_deg = 0, scale = 1;
-  double w_px = 0, h_px = 0;              ///< of the template, at scale 1
-  double ref_x_px = 0, ref_y_px = 0;      ///< the reference point in the template
+  double w_px = 0, h_px = 0;          ///< of the template, at scale 1
+  double ref_x_px = 0, ref_y_px = 0;  ///< the reference point in the template
   double score = 0;
   DetectionState state = DetectionState::found;
-  std::string why;                        ///< reason of a rejection, in words
+  std::string why;                               ///< reason of a rejection, in words
   std::vector<std::array<double, 2>> grasps_px;  ///< grasp points in the picture
 };
 
@@ -46,8 +46,8 @@ struct ShownFrame {
 
 /// Something that asks for a person.
 struct CellAlarm {
-  std::string code;     ///< "ROBOT_ALARM", "LINK_LOST", ...
-  int priority = 2;     ///< 1 high .. 3 low
+  std::string code;  ///< "ROBOT_ALARM", "LINK_LOST", ...
+  int priority = 2;  ///< 1 high .. 3 low
   std::string text;
   std::string cause;
   std::vector<std::string> remedies;
@@ -65,18 +65,18 @@ struct Counters {
 
 struct RobotView {
   bool connected = false;
-  std::string link;        ///< "tcp80://127.0.0.1:8000"
-  std::string words;       ///< "play, remote, servo on, running"
+  std::string link;   ///< "tcp80://127.0.0.1:8000"
+  std::string words;  ///< "play, remote, servo on, running"
   bool running = false, servo = false, remote = false, held = false, alarm = false, teach = false;
   std::array<double, 3> tool_mm{};
 };
 
 struct Snapshot {
-  std::uint64_t revision = 0;   ///< grows with every change
+  std::uint64_t revision = 0;  ///< grows with every change
   std::string cell_name;
   Mode mode = Mode::idle;
-  std::string step;             ///< what it is doing: "looking", "waiting for the arm", ...
-  std::string reason;           ///< why it stopped or faulted, in words
+  std::string step;    ///< what it is doing: "looking", "waiting for the arm", ...
+  std::string reason;  ///< why it stopped or faulted, in words
   std::string remedy;
   RobotView robot;
   Counters counters;

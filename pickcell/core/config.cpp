@@ -1,12 +1,12 @@
 #include "pickcell/core/config.hpp"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <deque>
 #include <numeric>
 #include <set>
-#include <toml++/toml.h>
 
 #include "pickcell/core/file.hpp"
 
@@ -217,8 +217,7 @@ std::optional<Config> Config::table_if(std::string_view key) {
   const toml::node* node = PICKCELL_NODE(key);
   if (!node) return std::nullopt;
   if (!node->is_table()) problem(key, "must be a table");
-  return Config(file_,
-                std::make_shared<Table>(Table{node->as_table(), table_->prefix + std::string(key) + ".", {}}));
+  return Config(file_, std::make_shared<Table>(Table{node->as_table(), table_->prefix + std::string(key) + ".", {}}));
 }
 
 Config Config::table(std::string_view key) {

@@ -1,6 +1,6 @@
 #pragma once
-/// Configuration in TOML. Every key that is asked for is known; what is left over is an error that names the nearest known
-/// key. Problems are collected, so that a reader asks for all its keys and then calls finish() once.
+/// Configuration in TOML. Every key that is asked for is known; what is left over is an error that names the nearest
+/// known key. Problems are collected, so that a reader asks for all its keys and then calls finish() once.
 
 #include <filesystem>
 #include <memory>

@@ -29,7 +29,7 @@ template <class Buffer>
 Result<Buffer> read_into(const std::filesystem::path& path, std::size_t limit_bytes) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.fd < 0) return failure(ErrorCode::unreadable, path.string(), reason(errno), "check the path");
-  struct stat info {};
+  struct stat info{};
   if (::fstat(file.fd, &info) != 0) return failure(ErrorCode::unreadable, path.string(), reason(errno));
   if (!S_ISREG(info.st_mode)) return failure(ErrorCode::unreadable, path.string(), "not a regular file", "name a file");
   if (static_cast<std::size_t>(info.st_size) > limit_bytes)

@@ -17,8 +17,8 @@ namespace pickcell::core {
 [[nodiscard]] Result<std::string> read_text_file(const std::filesystem::path& path,
                                                  std::size_t limit_bytes = std::size_t{64} << 20);
 
-/// Writes to a temporary file beside path, flushes it to the disk and renames it: a full disk or a power cut leaves the old
-/// file as it was.
+/// Writes to a temporary file beside path, flushes it to the disk and renames it: a full disk or a power cut leaves the
+/// old file as it was.
 [[nodiscard]] Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 [[nodiscard]] Status write_file_atomically(const std::filesystem::path& path, std::string_view text);
 

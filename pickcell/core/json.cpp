@@ -30,15 +30,19 @@ Ordered to_nlohmann(const Json& v) {
 
 Json from_nlohmann(const Ordered& v) {
   switch (v.type()) {
-    case Ordered::value_t::boolean: return v.get<bool>();
-    case Ordered::value_t::number_integer: return v.get<std::int64_t>();
+    case Ordered::value_t::boolean:
+      return v.get<bool>();
+    case Ordered::value_t::number_integer:
+      return v.get<std::int64_t>();
     case Ordered::value_t::number_unsigned: {
       const auto u = v.get<std::uint64_t>();
       if (u > static_cast<std::uint64_t>(INT64_MAX)) return static_cast<double>(u);
       return static_cast<std::int64_t>(u);
     }
-    case Ordered::value_t::number_float: return v.get<double>();
-    case Ordered::value_t::string: return v.get<std::string>();
+    case Ordered::value_t::number_float:
+      return v.get<double>();
+    case Ordered::value_t::string:
+      return v.get<std::string>();
     case Ordered::value_t::array: {
       Json::Array out;
       for (const auto& item : v) out.push_back(from_nlohmann(item));
@@ -49,7 +53,8 @@ Json from_nlohmann(const Ordered& v) {
       for (const auto& [key, member] : v.items()) out.emplace_back(key, from_nlohmann(member));
       return out;
     }
-    default: return {};
+    default:
+      return {};
   }
 }
 

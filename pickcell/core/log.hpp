@@ -1,5 +1,6 @@
 #pragma once
-/// Where modules say what happened. Modules never print: sinks (stderr, a file, the HMI's log) are attached by the program.
+/// Where modules say what happened. Modules never print: sinks (stderr, a file, the HMI's log) are attached by the
+/// program.
 
 #include <cstdint>
 #include <functional>

@@ -14,13 +14,16 @@ std::string Error::line() const {
 int exit_code(ErrorCode code) {
   switch (code) {
     case ErrorCode::usage:
-    case ErrorCode::unreadable: return 2;
-    case ErrorCode::negative: return 1;
+    case ErrorCode::unreadable:
+      return 2;
+    case ErrorCode::negative:
+      return 1;
     case ErrorCode::device:
     case ErrorCode::link:
     case ErrorCode::timeout:
     case ErrorCode::refused:
-    case ErrorCode::safety: return 3;
+    case ErrorCode::safety:
+      return 3;
   }
   return 2;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// How ordinary failure travels: a Result holds a value or an Error that says what failed, why, and what to do about it.
-/// A caller's fault (a broken precondition) is thrown instead.
+/// How ordinary failure travels: a Result holds a value or an Error that says what failed, why, and what to do about
+/// it. A caller's fault (a broken precondition) is thrown instead.
 
 #include <string>
 #include <tl/expected.hpp>
@@ -11,14 +11,14 @@ namespace pickcell::core {
 
 /// What kind of failure; decides the exit code of the command line (docs/interfaces.md).
 enum class ErrorCode {
-  usage,        ///< the request itself is wrong: unknown option, value out of range
-  unreadable,   ///< a file or its content cannot be read or written, or is damaged
-  negative,     ///< it ran, but the asked-for result is not there: no board found, calibration rejected
-  device,       ///< a camera or another device failed
-  link,         ///< connection refused or lost
-  timeout,      ///< no answer within the deadline
-  refused,      ///< the other side understood and said no
-  safety,       ///< outside a limit that protects the arm or people
+  usage,       ///< the request itself is wrong: unknown option, value out of range
+  unreadable,  ///< a file or its content cannot be read or written, or is damaged
+  negative,    ///< it ran, but the asked-for result is not there: no board found, calibration rejected
+  device,      ///< a camera or another device failed
+  link,        ///< connection refused or lost
+  timeout,     ///< no answer within the deadline
+  refused,     ///< the other side understood and said no
+  safety,      ///< outside a limit that protects the arm or people
 };
 
 /// One failure, in words for a person. Printed as `pickcell: WHAT: why; remedy`.

@@ -10,7 +10,7 @@ namespace pickcell::core {
 namespace {
 
 template <class A, class B>
-concept Composable = requires(A a, B b) { a * b; };
+concept Composable = requires(A a, B b) { a* b; };
 
 TEST(Transform, WrongOrderDoesNotCompile) {
   static_assert(Composable<Transform<Base, Camera>, Transform<Camera, Board>>);

@@ -1,6 +1,6 @@
 #pragma once
-/// Inside the program lengths are metres, angles radians, times seconds. Everything else carries its unit in the name and
-/// is converted here, at the edges.
+/// Inside the program lengths are metres, angles radians, times seconds. Everything else carries its unit in the name
+/// and is converted here, at the edges.
 
 #include <cmath>
 #include <numbers>

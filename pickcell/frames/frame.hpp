@@ -12,13 +12,14 @@
 
 namespace pickcell::frames {
 
-/// The picture with everything that belonged to it at mid-exposure. Cheap to copy; the pixels are shared and never changed.
+/// The picture with everything that belonged to it at mid-exposure. Cheap to copy; the pixels are shared and never
+/// changed.
 struct Frame {
   std::shared_ptr<const image::Image> picture;
-  std::uint64_t sequence = 0;            ///< counts exposures of the source from 1; gaps mean lost frames
-  core::TimePoint exposed{};             ///< mid-exposure, on the cell's clock
-  std::int64_t exposed_unix_us = 0;      ///< the same as wall time
-  std::optional<std::int64_t> encoder;   ///< belt encoder count at mid-exposure, where there is one
+  std::uint64_t sequence = 0;           ///< counts exposures of the source from 1; gaps mean lost frames
+  core::TimePoint exposed{};            ///< mid-exposure, on the cell's clock
+  std::int64_t exposed_unix_us = 0;     ///< the same as wall time
+  std::optional<std::int64_t> encoder;  ///< belt encoder count at mid-exposure, where there is one
   std::optional<core::Transform<core::Base, core::Flange>> T_base_flange;  ///< for a camera on the arm
   std::string camera_id;
   bool simulated = false;

@@ -35,15 +35,16 @@ class View {
 
 using ImageView = View<std::uint8_t>;
 
-/// A picture that owns its pixels. Rows start at 64-byte boundaries and are padded to whole 64-byte blocks, so kernels may
-/// read past the last pixel of a row; padding is zero at construction. resize() keeps the memory when it suffices.
+/// A picture that owns its pixels. Rows start at 64-byte boundaries and are padded to whole 64-byte blocks, so kernels
+/// may read past the last pixel of a row; padding is zero at construction. resize() keeps the memory when it suffices.
 template <class T>
 class Plane {
  public:
   Plane() = default;
   Plane(int width, int height) { resize(width, height); }
   explicit Plane(View<T> view) : Plane(view.width(), view.height()) {
-    for (int y = 0; y < view.height(); ++y) std::memcpy(row(y), view.row(y), sizeof(T) * static_cast<std::size_t>(view.width()));
+    for (int y = 0; y < view.height(); ++y)
+      std::memcpy(row(y), view.row(y), sizeof(T) * static_cast<std::size_t>(view.width()));
   }
   Plane(const Plane& other) : Plane(other.view()) {}
   Plane(Plane&& other) noexcept { swap(other); }

@@ -7,7 +7,8 @@ namespace pickcell::image {
 
 void Pyramid::build(ImageView picture, int min_side_px) {
   count_ = 1;
-  for (int side = std::min(picture.width(), picture.height()) / 2; side >= std::max(1, min_side_px); side /= 2) ++count_;
+  for (int side = std::min(picture.width(), picture.height()) / 2; side >= std::max(1, min_side_px); side /= 2)
+    ++count_;
   if (planes_.size() < static_cast<std::size_t>(count_)) planes_.resize(static_cast<std::size_t>(count_));
   planes_[0].resize(picture.width(), picture.height());
   for (int y = 0; y < picture.height(); ++y)

@@ -7,8 +7,8 @@
 
 namespace pickcell::image {
 
-/// Level 0 is a copy of the picture; level l+1 averages 2x2 boxes of level l (odd last rows and columns are dropped), rounding
-/// to nearest. x_l = (x_0 + 0.5) / 2^l - 0.5.
+/// Level 0 is a copy of the picture; level l+1 averages 2x2 boxes of level l (odd last rows and columns are dropped),
+/// rounding to nearest. x_l = (x_0 + 0.5) / 2^l - 0.5.
 class Pyramid {
  public:
   /// Levels until the shorter side would fall below min_side_px. Reuses memory when called again.

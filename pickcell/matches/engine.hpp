@@ -21,22 +21,24 @@ namespace pickcell::matches {
 struct SearchOptions {
   std::optional<Range> angle_deg;
   std::optional<Range> scale;
-  int max_matches = 1;                 ///< best first; over all models together when there are several
-  std::optional<double> min_score;     ///< 0: no threshold
-  double max_overlap = 0.3;            ///< of rotated rectangles: intersection over the smaller area
-  std::optional<double> budget_ms;     ///< thread CPU time; what was found so far is returned
-  int threads = 1;                     ///< 0: all
-  bool explain = false;                ///< fill FindResult::rejected
-  struct Roi { int x, y, w, h; };
-  std::optional<Roi> roi;              ///< centres are searched in this part of the picture only
+  int max_matches = 1;              ///< best first; over all models together when there are several
+  std::optional<double> min_score;  ///< 0: no threshold
+  double max_overlap = 0.3;         ///< of rotated rectangles: intersection over the smaller area
+  std::optional<double> budget_ms;  ///< thread CPU time; what was found so far is returned
+  int threads = 1;                  ///< 0: all
+  bool explain = false;             ///< fill FindResult::rejected
+  struct Roi {
+    int x, y, w, h;
+  };
+  std::optional<Roi> roi;  ///< centres are searched in this part of the picture only
 };
 
 /// Work done by one stage, for tests and --explain.
 struct StageReport {
   std::string stage;
-  std::int64_t population = 0;   ///< candidates that entered
+  std::int64_t population = 0;  ///< candidates that entered
   std::int64_t survivors = 0;
-  std::int64_t ncc_count = 0;    ///< full correlations evaluated
+  std::int64_t ncc_count = 0;  ///< full correlations evaluated
   double ms = 0;
 };
 
@@ -44,14 +46,15 @@ struct FindResult {
   std::vector<Match> matches;      ///< sorted by score, best first
   std::vector<Rejected> rejected;  ///< with SearchOptions::explain
   std::vector<StageReport> stages;
-  bool complete = true;            ///< false when the budget cut the search
+  bool complete = true;  ///< false when the budget cut the search
 };
 
 class Engine {
  public:
   virtual ~Engine() = default;
-  /// Finds every model in the picture that the pyramid was built from. Derived data of a model is cached in the engine under
-  /// the model's address: a model must stay alive and unchanged while the engine is used with it. One thread at a time.
+  /// Finds every model in the picture that the pyramid was built from. Derived data of a model is cached in the engine
+  /// under the model's address: a model must stay alive and unchanged while the engine is used with it. One thread at a
+  /// time.
   [[nodiscard]] virtual core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                                       const SearchOptions& options) = 0;
   [[nodiscard]] virtual std::string name() const = 0;

@@ -7,9 +7,9 @@
 
 namespace pickcell::matches {
 
-/// Place of a model's reference point in the scene: scene = c + s*R(a)*(t - t_ref), R(a) = [[cos a, sin a],[-sin a, cos a]].
-/// Pixels of the searched picture, centres at integers; degrees counter-clockwise on the screen, (-180, 180]; scale 1 is the
-/// taught size.
+/// Place of a model's reference point in the scene: scene = c + s*R(a)*(t - t_ref), R(a) = [[cos a, sin a],[-sin a, cos
+/// a]]. Pixels of the searched picture, centres at integers; degrees counter-clockwise on the screen, (-180, 180];
+/// scale 1 is the taught size.
 struct Pose2d {
   double x_px = 0;
   double y_px = 0;
@@ -18,14 +18,15 @@ struct Pose2d {
 };
 
 struct Match {
-  std::string model;  ///< Model::name
+  std::string model;    ///< Model::name
   int model_index = 0;  ///< place in the list that was searched for
   Pose2d pose;
   double score = 0;  ///< 0..1, of the reported pose
   /// Of (x_px, y_px, angle_deg, scale), from the final fit and the residual noise.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   double visible = 1;  ///< fraction of the part that is in the picture and agrees
-  std::vector<double> ambiguous_deg;  ///< other angles (offsets, degrees) that fit as well; empty when the angle is certain
+  std::vector<double>
+      ambiguous_deg;  ///< other angles (offsets, degrees) that fit as well; empty when the angle is certain
 };
 
 enum class RejectReason { score, overlap, contrast, border, budget, scale, limit };

@@ -14,7 +14,8 @@ namespace pickcell::poses {
 /// A grasp of this part, tool Z down (Rx = 180, Ry = 0).
 struct GraspPose {
   core::Transform<core::Base, core::Tool> T_base_tool;
-  /// T_part_tool: where the gripper sits on the part; the place pose of the part turns it into a place pose of the tool.
+  /// T_part_tool: where the gripper sits on the part; the place pose of the part turns it into a place pose of the
+  /// tool.
   core::Transform<core::Part, core::Tool> T_part_tool;
   bool sym180 = false;
 };
@@ -24,6 +25,7 @@ struct PartPose {
   int model_index = 0;
   core::Transform<core::Base, core::Part> T_base_part;
   std::vector<GraspPose> grasps;
+  std::vector<Eigen::Vector2d> outline_m;  ///< the template's rectangle in base x, y; counter-clockwise or clockwise
   double score = 0;
   std::vector<double> ambiguous_deg;
   /// Of (x, y, rotation about the plane's normal) in base, m and rad: match and calibration together.

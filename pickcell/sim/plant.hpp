@@ -1,6 +1,6 @@
 #pragma once
-/// What the simulated controller's I/O is wired to: gripper, grip sensor, feeder. The world implements it; the controller
-/// knows contacts only.
+/// What the simulated controller's I/O is wired to: gripper, grip sensor, feeder. The world implements it; the
+/// controller knows contacts only.
 
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/transform.hpp"
@@ -8,9 +8,9 @@
 namespace pickcell::sim {
 
 /// Wiring of the simulated cell (contact numbers of a YRC1000; OT#(1) = 10010, IN#(1) = 10, network input #27010).
-constexpr int kGripperOutput = 1;        ///< OT#(1): on = closed
-constexpr int kGripSensorInput = 1;      ///< IN#(1): on = something in the gripper
-constexpr int kFeedMovingInput = 2;      ///< IN#(2): on = belt moving (contact 11)
+constexpr int kGripperOutput = 1;           ///< OT#(1): on = closed
+constexpr int kGripSensorInput = 1;         ///< IN#(1): on = something in the gripper
+constexpr int kFeedMovingInput = 2;         ///< IN#(2): on = belt moving (contact 11)
 constexpr int kFeedAdvanceContact = 27010;  ///< network input, written by the PC: rising edge = one belt pitch
 
 /// Thread-safe. T_base_tool: where the tool centre point is at that moment.

@@ -1,0 +1,63 @@
+#pragma once
+/// The calibration files of a cell (docs/interfaces.md, Files): camera.toml, plane.toml, handeye.toml. Read strictly,
+/// written atomically, and held against the camera they are used with.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "pickcell/core/result.hpp"
+#include "pickcell/core/transform.hpp"
+#include "pickcell/poses/lens.hpp"
+
+namespace pickcell::poses {
+
+enum class Verdict { excellent, good, usable, reject };
+[[nodiscard]] const char* name(Verdict verdict);
+
+struct CameraCalibration {
+  Lens lens;
+  std::string model;  ///< "pinhole", "k1k2", "brown5", "rational"
+  double rms_px = 0;
+  double holdout_rms_px = 0;
+  std::string camera_id;  ///< may be empty: any camera
+  Verdict verdict = Verdict::reject;
+  std::string date;      ///< ISO 8601 UTC
+  std::string checksum;  ///< "crc32:XXXXXXXX" of the file; set by loading and saving
+};
+
+/// A fixed camera over a work plane. T_base_camera is a key of our own beside those of interfaces.md: without it a
+/// pixel has no place in the base frame.
+struct PlaneCalibration {
+  core::Transform<core::Base, core::Plane> T_base_plane;
+  core::Transform<core::Base, core::Camera> T_base_camera;
+  std::string camera;  ///< checksum of the camera.toml it was made with
+  double rms_mm = 0;
+  Verdict verdict = Verdict::reject;
+  std::string date;
+  bool board_frame_only =
+      false;  ///< made from a board picture alone: no robot frame, refused by a cell that moves an arm
+};
+
+[[nodiscard]] core::Result<CameraCalibration> load_camera(const std::filesystem::path& path);
+[[nodiscard]] core::Result<PlaneCalibration> load_plane(const std::filesystem::path& path);
+
+/// Writes the file and returns what load_camera would: with its checksum.
+[[nodiscard]] core::Result<CameraCalibration> save_camera(const std::filesystem::path& path, CameraCalibration camera);
+[[nodiscard]] core::Status save_plane(const std::filesystem::path& path, const PlaneCalibration& plane);
+
+/// What the running cell is; calibrations that do not fit it are refused.
+struct CalibrationUse {
+  int width_px = 0, height_px = 0;
+  std::string camera_id;
+  double max_age_days = 365;
+  std::int64_t now_unix_us = 0;
+};
+
+/// Refuses, naming the file's fault and the remedy: verdict reject, another picture size, another non-empty camera_id,
+/// a differing camera checksum, a board frame, older than max_age_days, an unreadable date.
+[[nodiscard]] core::Status check_fits(const CameraCalibration& camera, const PlaneCalibration& plane,
+                                      const CalibrationUse& use);
+
+}  // namespace pickcell::poses
