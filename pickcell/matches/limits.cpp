@@ -1,0 +1,46 @@
+#include "pickcell/matches/limits.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace pickcell::matches {
+
+namespace {
+
+constexpr double kMaxAngleDeg = 720;
+
+std::string words(Range r) {
+  char text[80];
+  std::snprintf(text, sizeof(text), "%g,%g", r.lo, r.hi);
+  return text;
+}
+
+tl::unexpected<core::Error> refuse(const std::string& what, Range range, const char* why, const char* remedy) {
+  return core::failure(core::ErrorCode::usage, what, "range " + words(range) + " " + why, remedy);
+}
+
+core::Status check_order(const std::string& what, Range range) {
+  if (!std::isfinite(range.lo) || !std::isfinite(range.hi))
+    return refuse(what, range, "is not finite", "write plain numbers");
+  if (range.lo > range.hi) return refuse(what, range, "is reversed", "write the smaller number first");
+  return {};
+}
+
+}  // namespace
+
+core::Status check_angle_range(const std::string& what, Range deg) {
+  if (auto order = check_order(what, deg); !order) return order;
+  if (deg.hi - deg.lo > 360) return refuse(what, deg, "is wider than a full turn", "use -180,180 for all angles");
+  if (std::abs(deg.lo) > kMaxAngleDeg || std::abs(deg.hi) > kMaxAngleDeg)
+    return refuse(what, deg, "is not a range of degrees", "use angles within -180 and 360");
+  return {};
+}
+
+core::Status check_scale_range(const std::string& what, Range scale) {
+  if (auto order = check_order(what, scale); !order) return order;
+  if (scale.lo < kMinScale || scale.hi > kMaxScale)
+    return refuse(what, scale, "is outside 0.1 to 10", "1 is the taught size; 0.9,1.1 allows 10 percent");
+  return {};
+}
+
+}  // namespace pickcell::matches
