@@ -16,8 +16,10 @@ ZyxAngles zyx_angles(const Eigen::Matrix3d& r) {
   ZyxAngles out;
   out.ry_deg = deg_from_rad(std::atan2(-r(2, 0), cos_ry));
   if (cos_ry > kDegenerate) {
-    out.rx_deg = wrap_deg(deg_from_rad(std::atan2(r(2, 1), r(2, 2))));
-    out.rz_deg = wrap_deg(deg_from_rad(std::atan2(r(1, 0), r(0, 0))));
+    // rx is what is left after rz, so that near +-90 the error of rz does not add up
+    const double rz = std::atan2(r(1, 0), r(0, 0)), s = std::sin(rz), c = std::cos(rz);
+    out.rz_deg = wrap_deg(deg_from_rad(rz));
+    out.rx_deg = wrap_deg(deg_from_rad(std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1))));
   } else {
     out.rz_deg = wrap_deg(deg_from_rad(std::atan2(-r(0, 1), r(1, 1))));
   }
