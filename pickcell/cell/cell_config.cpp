@@ -64,6 +64,8 @@ LimitsConfig read_limits(Config table) {
   out.place_deg = positive(table, "place_deg", out.place_deg);
   out.grasp_mm = positive(table, "grasp_mm", out.grasp_mm);
   out.grasp_deg = positive(table, "grasp_deg", out.grasp_deg);
+  out.gripper_length_mm = table.number_or("gripper_length_mm", 0);
+  out.gripper_width_mm = table.number_or("gripper_width_mm", 0);
   out.speed_pct = positive(table, "speed_pct", out.speed_pct);
   if (out.speed_pct > 100) table.problem("speed_pct", "must be at most 100");
   out.box_min_mm = triple(table, "box_min_mm");

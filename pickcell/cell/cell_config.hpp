@@ -36,9 +36,11 @@ struct CalibrationConfig {
 };
 
 struct LimitsConfig {
-  double place_mm = 1, place_deg = 1;                ///< a report with a worse place error fails
-  double grasp_mm = 3, grasp_deg = 5;                ///< what the gripper tolerates: no pick whose 3 sigma exceed it
-  double speed_pct = 100;                            ///< of the job's taught speeds
+  double place_mm = 1, place_deg = 1;  ///< a report with a worse place error fails
+  double grasp_mm = 3, grasp_deg = 5;  ///< what the gripper tolerates: no pick whose 3 sigma exceed it
+  double gripper_length_mm = 0,
+         gripper_width_mm = 0;  ///< of the open gripper, along the tool's X and across; 0: not checked
+  double speed_pct = 100;       ///< of the job's taught speeds
   std::array<double, 3> box_min_mm{}, box_max_mm{};  ///< where the tool may be sent, base frame
 };
 

@@ -78,6 +78,8 @@ struct Snapshot {
   std::string step;    ///< what it is doing: "looking", "waiting for the arm", ...
   std::string reason;  ///< why it stopped or faulted, in words
   std::string remedy;
+  std::string start_hindrance;  ///< why Start would be refused because of the arm, "" when it would not
+  std::string start_remedy;
   RobotView robot;
   Counters counters;
   std::vector<CellAlarm> alarms;

@@ -1,0 +1,77 @@
+#include "pickcell/cell/arm.hpp"
+
+#include "pickcell/core/log.hpp"
+#include "pickcell/core/units.hpp"
+
+namespace pickcell::cell {
+
+using core::ErrorCode;
+
+tl::unexpected<Halt> Arm::lost(const core::Error& error, const std::string& doing) {
+  Halt halt = halt_from(error, doing);
+  // Refused with the link up: a person must look at the arm first (Robot::connect); the next Reset says so.
+  halt.person_must_look = error.code == ErrorCode::refused && robot_.connected();
+  if (!robot_.connected()) {
+    view_ = RobotView{};
+    view_.link = link_;
+    view_.words = "not connected";
+    hindrance_ = Hindrance{halt.code, halt.why, halt.remedy};
+  }
+  return tl::unexpected(std::move(halt));
+}
+
+Or<void> Arm::connect() {
+  if (auto connected = robot_.connect(seat_); !connected) return lost(connected.error(), "connecting to the robot");
+  return {};
+}
+
+Or<void> Arm::reset(bool person_looked) {
+  if (robot_.connected()) {
+    const auto state = robot_.state();
+    if (state && (state->alarm || state->error))
+      if (auto cleared = robot_.reset(); !cleared) return lost(cleared.error(), "clearing the alarm");
+    if (state && state->hold_command)
+      if (auto released = robot_.hold(false); !released) return lost(released.error(), "taking back the hold");
+  }
+  if (person_looked && robot_.connected()) {
+    if (auto confirmed = robot_.confirm(seat_); !confirmed) return lost(confirmed.error(), "going on after a look");
+  } else if (auto connected = connect(); !connected) {
+    return connected;
+  }
+  const auto state = poll(Need::ready);
+  if (!state) return tl::unexpected(state.error());
+  return {};
+}
+
+Or<void> Arm::start() {
+  if (auto started = robot_.start(seat_); !started) return lost(started.error(), "starting the robot's job");
+  return {};
+}
+
+Or<robot::RobotState> Arm::poll(Need need) {
+  auto state = robot_.state();
+  if (!state) return lost(state.error(), "reading the robot's state");
+  auto pose = robot_.pose();
+  if (!pose) return lost(pose.error(), "reading the robot's position");
+  view_ = view_of(*state, link_);
+  for (int i = 0; i < 3; ++i) view_.tool_mm[static_cast<std::size_t>(i)] = core::mm_from_m(pose->translation_m()(i));
+  hindrance_ = hindrance_to_start(*state);
+  const auto found = need == Need::nothing ? std::nullopt : need == Need::ready ? hindrance_ : hindrance_to_run(*state);
+  if (found) return tl::unexpected(with_alarm_text(halt_from(*found)));
+  return *state;
+}
+
+Halt Arm::with_alarm_text(Halt halt) {
+  if (halt.code != "ROBOT_ALARM" && halt.code != "ROBOT_ERROR") return halt;
+  const auto alarms = robot_.alarms();
+  if (alarms && !alarms->empty()) halt.why += ": " + words(*alarms);
+  return halt;
+}
+
+void Arm::hold() {
+  if (!robot_.connected()) return;
+  if (auto held = robot_.hold(true); !held)
+    core::log(core::LogLevel::warning, "cell", "the arm could not be told to hold: " + held.error().line());
+}
+
+}  // namespace pickcell::cell

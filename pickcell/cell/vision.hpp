@@ -1,0 +1,70 @@
+#pragma once
+/// The cell's eye: one picture in, parts in the robot's base frame out, and for everything else that was seen the
+/// reason why it is not picked.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pickcell/cell/gate.hpp"
+#include "pickcell/core/result.hpp"
+#include "pickcell/frames/frame.hpp"
+#include "pickcell/image/pyramid.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/model.hpp"
+#include "pickcell/poses/calibration.hpp"
+#include "pickcell/poses/locate.hpp"
+#include "pickcell/poses/part_pose.hpp"
+
+namespace pickcell::cell {
+
+/// What one picture holds.
+struct Sight {
+  struct Seen {
+    std::uint64_t detection_id = 0;
+    matches::Match match;
+    std::optional<Rejection> rejection;  ///< unset: stands in parts
+  };
+  std::vector<Seen> seen;              ///< best score first
+  std::vector<poses::PartPose> parts;  ///< those that may be picked
+  double match_ms = 0;                 ///< wall time
+};
+
+/// One thread at a time.
+class Vision {
+ public:
+  struct Settings {
+    poses::CameraCalibration camera;
+    poses::PlaneCalibration plane;
+    double max_age_days = 365;
+    int threads = 0;  ///< of the matcher; 0: all
+    int max_matches = 60;
+  };
+
+  /// models: in the order of the recipe; PartPose::model_index counts them. Their height_m is what the parts really
+  /// have.
+  Vision(std::unique_ptr<matches::Engine> engine, std::vector<matches::Model> models, Settings settings);
+
+  /// Searches for every model at once, gates and locates. first_id: of the first detection, the others count on. A
+  /// picture that the calibration does not fit (size, camera, age, verdict) is searched all the same, but everything in
+  /// it is rejected for that reason. Errors: those of the engine.
+  [[nodiscard]] core::Result<Sight> look(const frames::Frame& frame, std::uint64_t first_id);
+
+  [[nodiscard]] const std::vector<matches::Model>& models() const { return models_; }
+  [[nodiscard]] std::string engine_name() const { return engine_->name(); }
+
+ private:
+  void judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame, const core::Status& fits) const;
+
+  std::unique_ptr<matches::Engine> engine_;
+  std::vector<matches::Model> models_;
+  std::vector<const matches::Model*> searched_;
+  std::vector<poses::Locator> locators_;
+  Settings settings_;
+  poses::View view_;
+  image::Pyramid pyramid_;
+};
+
+}  // namespace pickcell::cell
