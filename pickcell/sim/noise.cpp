@@ -1,0 +1,41 @@
+#include "pickcell/sim/noise.hpp"
+
+#include <cmath>
+
+#include "pickcell/sim/random.hpp"
+
+namespace pickcell::sim {
+
+namespace {
+
+double lattice(std::int64_t x, std::int64_t y, std::uint64_t seed) {
+  const std::uint64_t h = mix(seed ^ (static_cast<std::uint64_t>(x) * 0x8da6b343ULL) ^
+                              (static_cast<std::uint64_t>(y) * 0xd8163841ULL << 16));
+  return static_cast<double>(h >> 11) * 0x1.0p-52 - 1;
+}
+
+double ease(double t) { return t * t * (3 - 2 * t); }
+
+}  // namespace
+
+double value_noise(double x, double y, std::uint64_t seed) {
+  const double fx = std::floor(x), fy = std::floor(y);
+  const auto ix = static_cast<std::int64_t>(fx), iy = static_cast<std::int64_t>(fy);
+  const double u = ease(x - fx), v = ease(y - fy);
+  const double top = std::lerp(lattice(ix, iy, seed), lattice(ix + 1, iy, seed), u);
+  const double bottom = std::lerp(lattice(ix, iy + 1, seed), lattice(ix + 1, iy + 1, seed), u);
+  return std::lerp(top, bottom, v);
+}
+
+double fractal_noise(double x, double y, int octaves, std::uint64_t seed) {
+  double sum = 0, weight = 0.5;
+  for (int i = 0; i < octaves; ++i) {
+    sum += weight * value_noise(x, y, seed + static_cast<std::uint64_t>(i));
+    x *= 2;
+    y *= 2;
+    weight *= 0.5;
+  }
+  return sum;
+}
+
+}  // namespace pickcell::sim
