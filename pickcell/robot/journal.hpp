@@ -34,14 +34,14 @@ class Journal {
   [[nodiscard]] virtual core::Status record_sent(std::int32_t sequence, std::int64_t t_us) = 0;
   [[nodiscard]] virtual core::Status record_end(std::int32_t sequence, CommandState state, int result,
                                                 std::int64_t t_us) = 0;
-  [[nodiscard]] virtual core::Status record_epoch(std::int32_t epoch) = 0;
-  /// Highest epoch and sequence ever recorded; 0 when empty.
+  /// The fence is about to be raised; last_sequence: the highest number that journal or controller know of.
+  [[nodiscard]] virtual core::Status record_epoch(std::int32_t epoch, std::int32_t last_sequence) = 0;
+  /// Highest epoch and sequence ever recorded; 0 when nothing was. A controller that has accepted more than
+  /// last_sequence has another past than this journal: a person must say whether to go on.
   [[nodiscard]] virtual core::Result<std::int32_t> last_epoch() = 0;
   [[nodiscard]] virtual core::Result<std::int32_t> last_sequence() = 0;
   /// Rows in state intent or sent.
   [[nodiscard]] virtual core::Result<std::vector<JournalRow>> open_rows() = 0;
-  /// True when the file was made by this process, so that nothing is known of the past.
-  [[nodiscard]] virtual bool fresh() const = 0;
 };
 
 }  // namespace pickcell::robot

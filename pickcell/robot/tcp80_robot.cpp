@@ -1,0 +1,261 @@
+#include "pickcell/robot/tcp80_robot.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+#include "pickcell/core/log.hpp"
+#include "pickcell/robot/pose_angles.hpp"
+
+namespace pickcell::robot {
+
+using core::ErrorCode;
+
+namespace {
+
+struct Variable {
+  VariableType type;
+  int offset;  ///< from the first variable
+};
+
+constexpr std::array<Variable, kRegisters> kVariables = {{
+    {VariableType::byte, 0},            // command
+    {VariableType::byte, 1},            // reason
+    {VariableType::byte, 2},            // clear_of_camera
+    {VariableType::byte, 3},            // result
+    {VariableType::integer, 0},         // part_class
+    {VariableType::integer, 1},         // epoch
+    {VariableType::integer, 2},         // epoch_ack
+    {VariableType::integer, 3},         // command_epoch
+    {VariableType::integer, 4},         // held_epoch
+    {VariableType::double_integer, 0},  // sequence
+    {VariableType::double_integer, 1},  // done
+    {VariableType::double_integer, 2},  // accepted
+    {VariableType::double_integer, 3},  // sequence_copy
+}};
+
+Variable variable(Register which) { return kVariables[static_cast<std::size_t>(which)]; }
+int offset(PoseRegister which) { return which == PoseRegister::grasp ? 0 : 1; }
+
+constexpr core::Duration kServoTimeout = std::chrono::seconds(5);
+
+core::Status not_ready(std::string why, std::string remedy) {
+  return core::failure(ErrorCode::refused, "robot", std::move(why), std::move(remedy));
+}
+
+}  // namespace
+
+core::Result<std::int32_t> Tcp80Registers::read(Register which) {
+  return client_.read_integer(variable(which).type, first_ + variable(which).offset);
+}
+
+core::Status Tcp80Registers::write(Register which, std::int32_t value) {
+  return client_.write_integer(variable(which).type, first_ + variable(which).offset, value);
+}
+
+core::Result<VariablePosition> Tcp80Registers::read_pose(PoseRegister which) {
+  return client_.read_position_variable(first_ + offset(which));
+}
+
+core::Status Tcp80Registers::write_pose(PoseRegister which, const CartesianPosition& position) {
+  return client_.write_position_variable(first_ + offset(which), position);
+}
+
+Tcp80Robot::Tcp80Robot(Tcp80RobotSettings settings, Journal& journal, const core::Clock& clock)
+    : settings_(std::move(settings)),
+      client_(settings_.link),
+      registers_(client_, settings_.first_variable),
+      session_(registers_, journal, clock) {
+  if (settings_.tool < 0 || settings_.tool > kMaxTool) throw std::invalid_argument("tool number outside 0..63");
+  if (settings_.frame < 0 || settings_.frame > 65) throw std::invalid_argument("frame number outside 0..65");
+  if (settings_.first_variable < 0 || settings_.first_variable > 95)
+    throw std::invalid_argument("first variable outside 0..95");
+}
+
+core::Status Tcp80Robot::connect(core::Seat& seat) {
+  session_.lost();
+  if (auto opened = client_.connect(); !opened) return opened;
+  if (auto read_back = session_.connect(); !read_back) return read_back;
+  return settle(seat);
+}
+
+void Tcp80Robot::disconnect() {
+  session_.lost();
+  client_.disconnect();
+}
+
+/// Waits for the job where it runs; where it stands, start() will.
+core::Status Tcp80Robot::settle(core::Seat& seat) {
+  auto running = job_runs();
+  if (!running) return core::forward(running);
+  if (!*running) return {};
+  return session_.settle(seat, [this] { return job_runs(); });
+}
+
+core::Result<bool> Tcp80Robot::job_runs() {
+  auto status = client_.read_status();
+  if (!status) return core::forward(status);
+  if (!status->running) return false;
+  auto job = client_.read_job();
+  if (!job) return core::forward(job);
+  return job->name == settings_.job;
+}
+
+core::Result<RobotState> Tcp80Robot::state() {
+  auto status = client_.read_status();
+  if (!status) return status;
+  auto clear = registers_.read(Register::clear_of_camera);
+  if (!clear) return core::forward(clear);
+  status->clear_of_camera = *clear == 1;
+  return status;
+}
+
+core::Result<std::vector<Alarm>> Tcp80Robot::alarms() { return client_.read_alarms(); }
+
+core::Result<core::Transform<core::Base, core::Tool>> Tcp80Robot::pose() {
+  auto position = client_.read_position(kBaseFrame);
+  if (!position) return core::forward(position);
+  return transform_from(*position);
+}
+
+core::Status Tcp80Robot::may_start(const RobotState& state) {
+  if (state.alarm || state.error) {
+    std::string which;
+    if (auto list = client_.read_alarms()) {
+      for (const Alarm& alarm : *list) which += (which.empty() ? ": " : ", ") + alarm.text;
+    }
+    return not_ready("the controller is in " + std::string(state.alarm ? "alarm" : "error") + which,
+                     "remove the cause, then Reset");
+  }
+  if (state.teach || !state.play) return not_ready("the key switch stands on TEACH", "turn it to REMOTE");
+  if (!state.remote)
+    return not_ready("command remote is not on",
+                     "turn the key to REMOTE and select command remote (pseudo-input screen)");
+  if (state.hold_pendant) return not_ready("held from the pendant", "release HOLD on the pendant");
+  if (state.hold_external) return not_ready("held by an external signal", "release the external hold input");
+  if (state.hold_command) return not_ready("held by command", "Reset releases the hold");
+  return {};
+}
+
+core::Status Tcp80Robot::servo_on(core::Seat& seat) {
+  if (auto on = client_.servo(true); !on) return on;
+  const core::TimePoint deadline = seat.now() + kServoTimeout;
+  for (;;) {
+    auto status = client_.read_status();
+    if (!status) return core::forward(status);
+    if (status->servo) return {};
+    const core::TimePoint before = seat.now();
+    if (before >= deadline) {
+      return core::failure(ErrorCode::timeout, "robot", "the servo does not come on",
+                           "check emergency stops, doors and the bridge of the external-servo-on input");
+    }
+    seat.sleep_for(PickSession::kPoll);
+    if (seat.now() == before) return core::failure(ErrorCode::timeout, "robot", "stopped while waiting for the servo");
+  }
+}
+
+core::Status Tcp80Robot::start_job(core::Seat& seat) {
+  // The fence first: the job, restarted at its first line, drops whatever stands in its variables.
+  if (auto fenced = session_.fence(); !fenced) return fenced;
+  auto started = client_.start_job(settings_.job);
+  if (!started && (started.error().code == ErrorCode::timeout || started.error().code == ErrorCode::link)) {
+    // Nobody knows whether it runs. Never again blindly: hold, and let the operator look.
+    session_.lost();
+    if (client_.connect() && client_.hold(true)) started.error().remedy = "the arm is held; look at it, then Reset";
+    return started;
+  }
+  if (!started) return started;
+  seat.sleep_for(PickSession::kPoll);  // so that the flags of the job's last run are gone
+  return {};
+}
+
+core::Status Tcp80Robot::start(core::Seat& seat) {
+  auto status = client_.read_status();
+  if (!status) return core::forward(status);
+  if (auto may = may_start(*status); !may) return may;
+  if (session_.phase() == HandOverPhase::lost) {
+    if (auto read_back = session_.connect(); !read_back && session_.phase() != HandOverPhase::held) return read_back;
+  }
+  if (session_.phase() == HandOverPhase::journal_missing) return session_.settle(seat, nullptr);
+  if (!status->servo) {
+    if (auto on = servo_on(seat); !on) return on;
+  }
+  auto running = job_runs();
+  if (!running) return core::forward(running);
+  if (!*running && status->running)
+    return not_ready("another job than " + settings_.job + " is running", "stop it, then start again");
+  if (!*running) {
+    if (auto started = start_job(seat); !started) return started;
+  }
+  if (auto settled = session_.settle(seat, [this] { return job_runs(); }); !settled) return settled;
+  if (session_.phase() == HandOverPhase::ready) return {};
+  auto now = client_.read_status();
+  if (!now) return core::forward(now);
+  if (auto may = may_start(*now); !may) return may;
+  return not_ready("the job " + settings_.job + " has stopped", "see the message on the pendant");
+}
+
+core::Status Tcp80Robot::confirm(core::Seat& seat) {
+  if (session_.phase() == HandOverPhase::lost) return not_ready("not connected", "connect first");
+  if (auto confirmed = session_.confirm(); !confirmed) return confirmed;
+  return settle(seat);
+}
+
+core::Result<std::int32_t> Tcp80Robot::submit(const picks::Pick& pick) {
+  if (auto safe = check_pick(pick, settings_.limits); !safe) return core::forward(safe);
+  PickCommand command;
+  command.grasp = position_from(pick.T_base_grasp);
+  command.place = position_from(pick.T_base_place);
+  for (CartesianPosition* p : {&command.grasp, &command.place}) {
+    p->frame = settings_.frame;
+    p->tool = settings_.tool;
+    p->form = settings_.form;
+  }
+  command.part_class = pick.part_class;
+  command.row.detection_id = pick.detection_id;
+  command.row.place_slot = pick.place_slot;
+  command.row.model = pick.model;
+  command.row.payload =
+      "grasp " + tcp80_position_fields(command.grasp) + " place " + tcp80_position_fields(command.place);
+  return session_.submit(command);
+}
+
+core::Result<std::optional<Outcome>> Tcp80Robot::outcome() { return session_.outcome(); }
+
+core::Result<Outcome> Tcp80Robot::withdraw(core::Seat& seat) {
+  if (auto fenced = session_.fence(); !fenced) return core::forward(fenced);
+  if (auto settled = session_.settle(seat, [this] { return job_runs(); }); !settled) return core::forward(settled);
+  auto outcome = session_.outcome();
+  if (!outcome) return core::forward(outcome);
+  if (*outcome) return std::move(**outcome);
+  return core::failure(ErrorCode::refused, "hand-over", "the job stands, the pick cannot be settled now",
+                       "start the job; it does not execute the old pick");
+}
+
+core::Status Tcp80Robot::hold(bool on) { return client_.hold(on); }
+
+core::Status Tcp80Robot::reset() {
+  if (auto released = client_.hold(false); !released) return released;
+  if (auto cleared = client_.reset_alarm(); !cleared) return cleared;
+  return client_.cancel_error();
+}
+
+core::Status Tcp80Robot::write_contact(int contact, bool on) {
+  const int first = contact / 10 * 10, bit = contact % 10;
+  if (contact < 0 || bit > 7) throw std::invalid_argument("contact numbers end in 0..7");
+  auto group = client_.read_contacts(first, 1);
+  if (!group) return core::forward(group);
+  const int mask = 1 << bit;
+  (*group)[0] = static_cast<std::uint8_t>(on ? (*group)[0] | mask : (*group)[0] & ~mask);
+  return client_.write_contacts(first, *group);
+}
+
+core::Result<bool> Tcp80Robot::read_contact(int contact) {
+  const int bit = contact % 10;
+  if (contact < 0 || bit > 7) throw std::invalid_argument("contact numbers end in 0..7");
+  auto group = client_.read_contacts(contact / 10 * 10, 1);
+  if (!group) return core::forward(group);
+  return ((*group)[0] >> bit & 1) != 0;
+}
+
+}  // namespace pickcell::robot
