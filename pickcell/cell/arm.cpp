@@ -22,6 +22,7 @@ tl::unexpected<Halt> Arm::lost(const core::Error& error, const std::string& doin
 
 Or<void> Arm::connect() {
   if (auto connected = robot_.connect(seat_); !connected) return lost(connected.error(), "connecting to the robot");
+  if (auto state = poll(Need::nothing); !state) return tl::unexpected(state.error());
   return {};
 }
 

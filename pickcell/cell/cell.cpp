@@ -70,11 +70,7 @@ Cell::~Cell() { close(); }
 
 void Cell::open() {
   if (thread_.joinable()) throw std::logic_error("the cell is open already");
-  thread_ = std::thread([this] {
-    live();
-    // Gives the seat up, so that the clock does not wait for a party that is gone.
-    seat_.reset();
-  });
+  thread_ = std::thread([this] { live(); });
 }
 
 void Cell::close() {
@@ -82,6 +78,7 @@ void Cell::close() {
   quit_ = true;
   seat_->interrupt();
   thread_.join();
+  seat_.reset();  // so that the clock does not wait for a party that is gone
 }
 
 void Cell::wait_until_done() const {
