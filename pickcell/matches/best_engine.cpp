@@ -1,0 +1,154 @@
+#include "pickcell/matches/best_engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "pickcell/matches/selection.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+constexpr int kMostMatches = 200;
+
+core::Status check(const SearchOptions& o) {
+  const auto bad = [](const std::string& what, const std::string& why, const std::string& remedy) {
+    return core::failure(core::ErrorCode::usage, what, why, remedy);
+  };
+  if (o.angle_deg &&
+      !(std::isfinite(o.angle_deg->lo) && std::isfinite(o.angle_deg->hi) && o.angle_deg->lo <= o.angle_deg->hi))
+    return bad("angle range", "it must be two finite numbers, the lower first",
+               "a range across 180 is written 170,190");
+  if (o.scale &&
+      !(std::isfinite(o.scale->lo) && std::isfinite(o.scale->hi) && o.scale->lo > 0 && o.scale->lo <= o.scale->hi))
+    return bad("scale range", "it must be two positive numbers, the lower first", "for example 0.9,1.1");
+  if (o.max_matches < 1 || o.max_matches > kMostMatches)
+    return bad("number of matches", "it must lie in 1.." + std::to_string(kMostMatches), "");
+  if (o.min_score && !(*o.min_score >= 0 && *o.min_score <= 1)) return bad("score limit", "it must lie in 0..1", "");
+  if (!(o.max_overlap >= 0 && o.max_overlap <= 1)) return bad("overlap limit", "it must lie in 0..1", "");
+  if (o.budget_ms && !(std::isfinite(*o.budget_ms) && *o.budget_ms > 0))
+    return bad("time budget", "it must be positive", "");
+  if (o.threads < 0) return bad("number of threads", "it must not be negative", "0 stands for all");
+  return {};
+}
+
+core::Status check_roi(const SearchOptions& o, int width, int height) {
+  if (!o.roi) return {};
+  const auto& r = *o.roi;
+  if (r.w >= 1 && r.h >= 1 && r.x >= 0 && r.y >= 0 && r.x <= width - r.w && r.y <= height - r.h) return {};
+  return core::failure(core::ErrorCode::usage, "region of interest", "it does not lie inside the picture",
+                       "the picture has " + std::to_string(width) + " x " + std::to_string(height) + " pixels");
+}
+
+core::Status check_size(const BestModel& m, int width, int height) {
+  const double w = (m.x_hi - m.x_lo) * m.scale.lo;
+  const double h = (m.y_hi - m.y_lo) * m.scale.lo;
+  if (std::min(w, h) <= std::min(width, height) && std::max(w, h) <= std::hypot(width, height)) return {};
+  return core::failure(core::ErrorCode::usage, "model " + m.model->name,
+                       "its part (" + std::to_string(std::lround(w)) + " x " + std::to_string(std::lround(h)) +
+                           " pixels at the smallest scale) is larger than the picture (" + std::to_string(width) +
+                           " x " + std::to_string(height) + ")",
+                       "teach from a picture of the same resolution");
+}
+
+/// Where the anchor may lie so that the reference point lies in the region.
+CoarseRequest::Box anchor_box(const SearchOptions::Roi& r, const BestModel& m) {
+  const double slack = std::hypot(m.ref_dx, m.ref_dy) * m.scale.hi;
+  return {r.x - slack, r.y - slack, r.x + r.w - 1 + slack, r.y + r.h - 1 + slack};
+}
+
+}  // namespace
+
+BestEngine::BestEngine(BestSettings settings, WorkBudget::CpuClock cpu_ms)
+    : settings_(std::move(settings)), cpu_ms_(std::move(cpu_ms)) {}
+
+BestModel& BestEngine::prepared(const Model& model, Range scale) {
+  auto& list = models_[&model];
+  for (const auto& m : list)
+    if (m->scale.lo == scale.lo && m->scale.hi == scale.hi) return *m;
+  list.push_back(std::make_unique<BestModel>(prepare_model(model, scale, settings_)));
+  return *list.back();
+}
+
+Followed BestEngine::one_pass(BestModel& model, const Pass& pass, const SearchOptions& options, WorkBudget& budget,
+                              FindResult& result) {
+  const int threads = static_cast<int>(scratch_.size());
+  const bool several = options.max_matches > 1;
+  CoarseRequest request;
+  request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
+  if (options.roi) request.box = anchor_box(*options.roi, model);
+  request.candidates = pass.settings->candidates + (several ? 8 * options.max_matches : 0);
+  if (several) request.per_location = 4;
+  request.threads = threads;
+  const CoarseScene& top = scene_.coarse(pass.templates->factor, pass.templates->reach);
+  const std::vector<CoarseCandidate> candidates = coarse_.run(top, *pass.templates, request, budget);
+  StageReport report;
+  report.stage = "coarse";
+  report.population = coarse_.peaks();
+  report.survivors = static_cast<std::int64_t>(candidates.size());
+  result.stages.push_back(report);
+
+  FollowRequest down;
+  down.keep_top = pass.settings->keep_top + (several ? 4 * options.max_matches : 0);
+  down.keep_mid = pass.settings->keep_mid + (several ? 2 * options.max_matches : 0);
+  down.window = pass.settings->window;
+  down.several = several;
+  down.threads = threads;
+  down.sure_ncc = settings_.accept_ncc;
+  down.sure_edge = settings_.accept_edge;
+  const int from =
+      std::min({start_level(*pass.templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
+  Followed out = follow(candidates, model, from, scene_, down, budget, scratch_);
+  std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
+  return out;
+}
+
+Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
+  Followed quick;
+  if (settings_.effort != Effort::thorough) {
+    quick = one_pass(model, {&settings_.quick, &model.quick}, options, budget, result);
+    const bool sure = !quick.found.empty() && quick.found[0].ncc >= settings_.accept_ncc &&
+                      quick.found[0].edge >= settings_.accept_edge && options.max_matches == 1;
+    if (sure || settings_.effort == Effort::quick || budget.spent()) return quick;
+  }
+  if (model.thorough.tiles.empty())
+    model.thorough = build_coarse_templates(model.pyramid, settings_.thorough.detail, model.scale);
+  Followed more = one_pass(model, {&settings_.thorough, &model.thorough}, options, budget, result);
+  for (const Hypothesis& h : more.found) {
+    const auto same = std::find_if(quick.found.begin(), quick.found.end(),
+                                   [&](const Hypothesis& q) { return same_place(q.place, h.place, model.side_px); });
+    if (same == quick.found.end())
+      quick.found.push_back(h);
+    else if (h.score > same->score)
+      *same = h;
+  }
+  std::move(more.dropped.begin(), more.dropped.end(), std::back_inserter(quick.dropped));
+  sort_best_first(quick.found);
+  return quick;
+}
+
+core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span<const Model* const> models,
+                                          const SearchOptions& options) {
+  if (models.empty() || std::find(models.begin(), models.end(), nullptr) != models.end())
+    throw std::invalid_argument("a search needs models");
+  if (auto ok = check(options); !ok) return core::forward(ok);
+  scene_.start(scene);
+  if (auto ok = check_roi(options, scene_.width(), scene_.height()); !ok) return core::forward(ok);
+  scratch_.resize(static_cast<std::size_t>(thread_count(options.threads)));
+
+  WorkBudget budget(options.budget_ms, cpu_ms_);
+  FindResult result;
+  Selection selection(scene_, options, settings_, scratch_[0]);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
+    if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
+    if (i > 0 && budget.spent()) break;
+    selection.add(model, static_cast<int>(i), search(model, options, budget, result));
+  }
+  selection.finish(result);
+  result.complete = !budget.spent();
+  return result;
+}
+
+}  // namespace pickcell::matches

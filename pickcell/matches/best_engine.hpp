@@ -1,0 +1,56 @@
+#pragma once
+/// The default engine. A picture goes through these rooms:
+///   coarse_scene    the orientation field of the picture, averaged over cells of any real size
+///   coarse_search   every position, angle and scale of the template's field (coarse_template) by one kernel; local
+///   maxima follow          candidates down the pyramid; refine: Gauss-Newton on grey values and a contour fit, the
+///   better is kept selection       threshold, border, overlap, limit; covariance, visible share, ambiguous angles
+/// Two passes: a quick one, and where its answer is not sure a thorough one with a finer top level and more candidates.
+///
+/// Score: 0.4 NCC + 0.6 edge score of the reported pose, clamped to 0..1. NCC is taken on the grey values inside the
+/// part; the edge score is the agreement of edge directions, outline included, 1 for the template itself. Sources:
+/// Baker & Matthews (inverse compositional Gauss-Newton), Steger (edge directions as a measure of similarity), Besl &
+/// McKay (iterated closest points); gradient directions of the doubled angle as in the structure tensor.
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "pickcell/matches/best_model.hpp"
+#include "pickcell/matches/best_scene.hpp"
+#include "pickcell/matches/coarse_search.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/follow.hpp"
+#include "pickcell/matches/work.hpp"
+
+namespace pickcell::matches {
+
+class BestEngine final : public Engine {
+ public:
+  /// cpu_ms: the clock of SearchOptions::budget_ms, replaced in tests.
+  explicit BestEngine(BestSettings settings = {}, WorkBudget::CpuClock cpu_ms = thread_cpu_ms);
+
+  /// Errors (usage): options out of range, a template larger than the picture. Throws std::invalid_argument for a null
+  /// model or an empty list.
+  [[nodiscard]] core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
+                                              const SearchOptions& options) override;
+  [[nodiscard]] std::string name() const override { return "best"; }
+
+ private:
+  struct Pass {
+    const PassSettings* settings;
+    const CoarseTemplates* templates;
+  };
+  [[nodiscard]] BestModel& prepared(const Model& model, Range scale);
+  [[nodiscard]] Followed search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result);
+  [[nodiscard]] Followed one_pass(BestModel& model, const Pass& pass, const SearchOptions& options, WorkBudget& budget,
+                                  FindResult& result);
+
+  BestSettings settings_;
+  WorkBudget::CpuClock cpu_ms_;
+  std::map<const Model*, std::vector<std::unique_ptr<BestModel>>> models_;  ///< one per scale range
+  BestScene scene_;
+  CoarseSearch coarse_;
+  std::vector<RefineScratch> scratch_;
+};
+
+}  // namespace pickcell::matches

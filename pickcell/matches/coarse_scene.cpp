@@ -1,0 +1,99 @@
+#include "pickcell/matches/coarse_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pickcell/matches/coarse_kernel.hpp"
+#include "pickcell/matches/orientation_field.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+/// Which source pixels make a cell along one axis: whole ones between two partial ones.
+struct Cell {
+  int first;
+  int last;
+  float first_share;
+  float last_share;
+};
+
+std::vector<Cell> cells(int source, double ratio, int n) {
+  std::vector<Cell> out;
+  for (int i = 0; i < n; ++i) {
+    const double lo = i * ratio;
+    const double hi = std::min((i + 1) * ratio, static_cast<double>(source));
+    Cell c{static_cast<int>(lo), std::min(static_cast<int>(hi), source - 1), 0, 0};
+    c.first_share = static_cast<float>(std::min(c.first + 1.0, hi) - lo);
+    c.last_share = c.last > c.first ? static_cast<float>(hi - c.last) : 0.f;
+    out.push_back(c);
+  }
+  return out;
+}
+
+/// Rows of one quantity, one after the other: c2, s2, energy.
+struct Triple {
+  std::vector<float> values;
+  explicit Triple(int n) : values(3 * static_cast<std::size_t>(n)) {}
+  float* part(int q) { return values.data() + static_cast<std::size_t>(q) * (values.size() / 3); }
+};
+
+void pool_row(const float* source, const std::vector<Cell>& columns, float* out) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Cell& c = columns[i];
+    float v = source[c.first] * c.first_share + source[c.last] * c.last_share;
+    for (int x = c.first + 1; x < c.last; ++x) v += source[x];
+    out[i] = v;
+  }
+}
+
+void store_row(Triple& sums, int n, float per_area, std::int16_t* out) {
+  const float* c2 = sums.part(0);
+  const float* s2 = sums.part(1);
+  const float* energy = sums.part(2);
+  for (int i = 0; i < n; ++i) {
+    const float k = 127.f * per_area / (energy[i] * per_area + kEdgeGrey * kEdgeGrey);
+    out[2 * i] = static_cast<std::int16_t>(std::lrintf(k * c2[i]));
+    out[2 * i + 1] = static_cast<std::int16_t>(std::lrintf(k * s2[i]));
+  }
+}
+
+}  // namespace
+
+int field_level(double factor) { return std::max(0, std::ilogb(factor) - 1); }
+
+void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, CoarseScene& out) {
+  const int level = std::min(field_level(factor), scene.levels() - 1);
+  const image::ImageView source = scene.level(level);
+  const double ratio = std::ldexp(factor, -level);
+  out.factor = factor;
+  out.width = static_cast<int>(source.width() / ratio);
+  out.height = static_cast<int>(source.height() / ratio);
+  out.margin = margin;
+  // One row and one block more than needed: the kernel rounds runs of positions up.
+  out.pairs.resize(2 * (out.width + 2 * margin + kKernelBlock), out.height + 2 * margin + 1);
+  out.pairs.fill(0);
+
+  const std::vector<Cell> columns = cells(source.width(), ratio, out.width);
+  const std::vector<Cell> rows = cells(source.height(), ratio, out.height);
+  Triple line(source.width());
+  Triple pooled(out.width);
+  Triple sums(out.width);
+  int have = -1;  // the source row that `pooled` holds: the last row of a cell is often the first of the next
+  for (int y = 0; y < out.height; ++y) {
+    const Cell& c = rows[static_cast<std::size_t>(y)];
+    std::fill(sums.values.begin(), sums.values.end(), 0.f);
+    for (int v = c.first; v <= c.last; ++v) {
+      if (have != v) {
+        orientation_tensor_row(source, v, {line.part(0), line.part(1), line.part(2)});
+        for (int q = 0; q < 3; ++q) pool_row(line.part(q), columns, pooled.part(q));
+        have = v;
+      }
+      const float share = v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f;
+      for (std::size_t i = 0; i < sums.values.size(); ++i) sums.values[i] += share * pooled.values[i];
+    }
+    store_row(sums, out.width, static_cast<float>(1 / (ratio * ratio)), out.pairs.row(y + margin) + 2 * margin);
+  }
+}
+
+}  // namespace pickcell::matches

@@ -1,0 +1,30 @@
+#pragma once
+/// The picture at the top level of the search: its orientation field, averaged over cells of any real size.
+
+#include <cstdint>
+
+#include "pickcell/image/pyramid.hpp"
+
+namespace pickcell::matches {
+
+/// Cells of factor x factor pixels; cell (X, Y) has its centre at ((X + 0.5) factor - 0.5, ...). Values +-127 are +-1;
+/// zeros all around, so that a template may hang over the border.
+struct CoarseScene {
+  double factor = 0;
+  int width = 0;
+  int height = 0;
+  int margin = 0;
+  image::Plane<std::int16_t> pairs;  ///< (c2, s2) interleaved, with the margin
+
+  /// The pair of a cell, which may lie up to margin cells outside.
+  [[nodiscard]] const std::int16_t* at(int x, int y) const { return pairs.row(y + margin) + 2 * (x + margin); }
+  [[nodiscard]] int stride_pairs() const { return static_cast<int>(pairs.stride() / 2); }
+};
+
+/// The pyramid level that the field is taken from: two to four pixels per cell, or level 0.
+[[nodiscard]] int field_level(double factor);
+
+/// v = mean(c2, s2) / (mean energy + kEdgeGrey^2) over each cell. margin: how far outside a position's taps may reach.
+void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, CoarseScene& out);
+
+}  // namespace pickcell::matches

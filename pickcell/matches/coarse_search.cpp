@@ -1,0 +1,167 @@
+#include "pickcell/matches/coarse_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pickcell::matches {
+namespace {
+
+constexpr float kNothing = -1.f;
+
+/// Whether the angle lies in the range, which may cross 180, widened by slack at both ends.
+bool in_range(double angle_deg, Range range, double slack_deg) {
+  const double width = range.hi - range.lo;
+  if (width + 2 * slack_deg >= 360) return true;
+  double above = std::fmod(angle_deg - range.lo + slack_deg, 360.0);
+  if (above < 0) above += 360;
+  return above <= width + 2 * slack_deg;
+}
+
+double angle_deg_of(const CoarseTemplates& t, int k) { return 360.0 * k / t.angles; }
+
+bool tile_wanted(const CoarseTemplates& t, const CoarseTile& tile, Range range) {
+  const double slack = 180.0 / t.angles;
+  for (int a = 0; a < 4; ++a)
+    if (in_range(angle_deg_of(t, tile.first_angle + a), range, slack)) return true;
+  return false;
+}
+
+/// The tile's taps as offsets in the scene's plane.
+std::vector<std::int32_t> offsets_of(const CoarseTile& tile, const CoarseScene& scene) {
+  std::vector<std::int32_t> out(tile.dx.size());
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = tile.dy[k] * scene.stride_pairs() + tile.dx[k];
+  return out;
+}
+
+FourTemplates templates_of(const CoarseTile& tile, const std::vector<std::int32_t>& offsets) {
+  return {offsets, tile.weights, {tile.norm[0], tile.norm[1], tile.norm[2], tile.norm[3]}};
+}
+
+struct Span {
+  int lo, hi;  // half open
+};
+
+/// Positions along one axis from which enough of the template is in the picture, and inside the box.
+Span positions(int cells, int low, int high, double factor, const double* box_lo, const double* box_hi) {
+  Span s{std::max(0, -low), std::min(cells, cells - high)};
+  if (box_lo) s.lo = std::max(s.lo, static_cast<int>(std::floor((*box_lo + 0.5) / factor - 0.5)));
+  if (box_hi) s.hi = std::min(s.hi, static_cast<int>(std::ceil((*box_hi + 0.5) / factor - 0.5)) + 1);
+  return s;
+}
+
+}  // namespace
+
+void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
+                        const CoarseRequest& request) {
+  map.score.resize(scene.width + kKernelBlock, scene.height);
+  map.row_best.assign(static_cast<std::size_t>(scene.height), kNothing);
+  const auto* box = request.box ? &*request.box : nullptr;
+  const Span xs =
+      positions(scene.width, tile.left, tile.right, t.factor, box ? &box->x0 : nullptr, box ? &box->x1 : nullptr);
+  const Span ys =
+      positions(scene.height, tile.top, tile.bottom, t.factor, box ? &box->y0 : nullptr, box ? &box->y1 : nullptr);
+  const std::vector<std::int32_t> offsets = offsets_of(tile, scene);
+  const FourTemplates four = templates_of(tile, offsets);
+  for (int y = 0; y < scene.height; ++y) {
+    float* row = map.score.row(y);
+    if (y < ys.lo || y >= ys.hi || xs.lo >= xs.hi) {
+      std::fill(row, row + scene.width, kNothing);
+      continue;
+    }
+    best_of_four(scene.at(xs.lo, y), four, xs.hi - xs.lo, row + xs.lo);
+    std::fill(row, row + xs.lo, kNothing);
+    std::fill(row + xs.hi, row + scene.width, kNothing);
+    map.row_best[static_cast<std::size_t>(y)] = *std::max_element(row + xs.lo, row + xs.hi);
+  }
+}
+
+bool CoarseSearch::is_peak(const CoarseTemplates& t, const Peak& p) const {
+  const int per_scale = t.angles / 4;
+  const int scale = p.tile / per_scale;
+  const int turn = p.tile % per_scale;
+  // Equal neighbours: the earlier one in (tile, y, x) wins, so that a plateau gives one peak.
+  const auto beaten_by = [&](int tile, int y, int x, bool earlier) {
+    const Map& m = maps_[static_cast<std::size_t>(tile)];
+    if (!m.searched) return false;
+    const float other = m.score.at(x, y);
+    return other > p.score || (other == p.score && earlier);
+  };
+  if (per_scale > 1) {
+    const int before = scale * per_scale + (turn + per_scale - 1) % per_scale;
+    const int after = scale * per_scale + (turn + 1) % per_scale;
+    if (beaten_by(before, p.y, p.x, before < p.tile) || beaten_by(after, p.y, p.x, after < p.tile)) return false;
+  }
+  if (scale > 0 && beaten_by(p.tile - per_scale, p.y, p.x, true)) return false;
+  if (scale + 1 < static_cast<int>(t.scales.size()) && beaten_by(p.tile + per_scale, p.y, p.x, false)) return false;
+  const image::Plane<float>& own = maps_[static_cast<std::size_t>(p.tile)].score;
+  for (int y = std::max(0, p.y - 1); y <= std::min(own.height() - 1, p.y + 1); ++y)
+    for (int x = std::max(0, p.x - 1); x <= std::min(own.width() - kKernelBlock - 1, p.x + 1); ++x)
+      if ((x != p.x || y != p.y) && beaten_by(p.tile, y, x, y < p.y || (y == p.y && x < p.x))) return false;
+  return true;
+}
+
+std::vector<CoarseSearch::Peak> CoarseSearch::local_maxima(const CoarseTemplates& t, float limit) const {
+  std::vector<Peak> out;
+  for (std::size_t i = 0; i < t.tiles.size(); ++i) {
+    const Map& m = maps_[i];
+    if (!m.searched) continue;
+    for (int y = 0; y < m.score.height(); ++y) {
+      if (m.row_best[static_cast<std::size_t>(y)] <= limit) continue;
+      const float* row = m.score.row(y);
+      for (int x = 0; x < m.score.width() - kKernelBlock; ++x) {
+        if (row[x] <= limit) continue;
+        const Peak p{row[x], static_cast<int>(i), y, x};
+        if (is_peak(t, p)) out.push_back(p);
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Peak& a, const Peak& b) {
+    return a.score != b.score ? a.score > b.score : std::tie(a.tile, a.y, a.x) < std::tie(b.tile, b.y, b.x);
+  });
+  return out;
+}
+
+std::vector<CoarseCandidate> CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t,
+                                               const CoarseRequest& request, WorkBudget& budget) {
+  if (maps_.size() < t.tiles.size()) maps_.resize(t.tiles.size());
+  parallel_for(static_cast<int>(t.tiles.size()), request.threads, [&](int i, int) {
+    const CoarseTile& tile = t.tiles[static_cast<std::size_t>(i)];
+    Map& map = maps_[static_cast<std::size_t>(i)];
+    map.searched = tile_wanted(t, tile, request.angle_deg) && !budget.spent();
+    if (map.searched) fill(map, scene, t, tile, request);
+  });
+  float best = 0;
+  for (std::size_t i = 0; i < t.tiles.size(); ++i)
+    if (maps_[i].searched)
+      for (float b : maps_[i].row_best) best = std::max(best, b);
+  const std::vector<Peak> peaks = local_maxima(t, std::max(request.limit, request.relative_limit * best));
+  peaks_ = static_cast<int>(peaks.size());
+
+  const double near_cells = 0.25 * t.side;
+  std::vector<CoarseCandidate> out;
+  std::vector<Peak> taken;
+  for (const Peak& p : peaks) {
+    if (static_cast<int>(out.size()) >= request.candidates) break;
+    const auto here = std::count_if(taken.begin(), taken.end(),
+                                    [&](const Peak& q) { return std::hypot(p.x - q.x, p.y - q.y) <= near_cells; });
+    if (here >= request.per_location) continue;
+    taken.push_back(p);
+    const CoarseTile& tile = t.tiles[static_cast<std::size_t>(p.tile)];
+    const std::vector<std::int32_t> offsets = offsets_of(tile, scene);
+    float four[4];
+    each_of_four(scene.at(p.x, p.y), templates_of(tile, offsets), four);
+    int which = -1;
+    for (int a = 0; a < 4; ++a)
+      if (in_range(angle_deg_of(t, tile.first_angle + a), request.angle_deg, 180.0 / t.angles) &&
+          (which < 0 || four[a] > four[which]))
+        which = a;
+    out.push_back({{(p.x + 0.5) * t.factor - 0.5, (p.y + 0.5) * t.factor - 0.5,
+                    wrap_rad(2 * std::numbers::pi * (tile.first_angle + which) / t.angles),
+                    t.scales[static_cast<std::size_t>(tile.scale_index)]},
+                   four[which]});
+  }
+  return out;
+}
+
+}  // namespace pickcell::matches

@@ -1,0 +1,62 @@
+#pragma once
+/// The exhaustive search at the top level: every position, angle and scale; what remains are local maxima.
+
+#include <optional>
+#include <vector>
+
+#include "pickcell/matches/coarse_scene.hpp"
+#include "pickcell/matches/coarse_template.hpp"
+#include "pickcell/matches/model.hpp"
+#include "pickcell/matches/similarity.hpp"
+#include "pickcell/matches/work.hpp"
+
+namespace pickcell::matches {
+
+struct CoarseCandidate {
+  Similarity place;
+  float score = 0;
+};
+
+struct CoarseRequest {
+  Range angle_deg{-180, 180};
+  /// Where the anchor may lie, level-0 pixels; unset: anywhere.
+  struct Box {
+    double x0, y0, x1, y1;
+  };
+  std::optional<Box> box;
+  int candidates = 48;
+  int per_location = 8;          ///< candidates whose anchors lie within a quarter of the part's side
+  float relative_limit = 0.45f;  ///< of the best score
+  float limit = 0.f;
+  int threads = 1;
+};
+
+/// Keeps its maps between calls. Not thread-safe; the answer does not depend on the number of threads.
+class CoarseSearch {
+ public:
+  /// Best first. The scene must have been built with the templates' factor and a margin >= their reach.
+  [[nodiscard]] std::vector<CoarseCandidate> run(const CoarseScene& scene, const CoarseTemplates& templates,
+                                                 const CoarseRequest& request, WorkBudget& budget);
+  /// Local maxima found by the last run, before the best were picked.
+  [[nodiscard]] int peaks() const { return peaks_; }
+
+ private:
+  struct Map {
+    bool searched = false;
+    image::Plane<float> score;
+    std::vector<float> row_best;
+  };
+  struct Peak {
+    float score;
+    int tile, y, x;
+  };
+  void fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
+            const CoarseRequest& request);
+  [[nodiscard]] std::vector<Peak> local_maxima(const CoarseTemplates& t, float limit) const;
+  [[nodiscard]] bool is_peak(const CoarseTemplates& t, const Peak& p) const;
+
+  std::vector<Map> maps_;
+  int peaks_ = 0;
+};
+
+}  // namespace pickcell::matches

@@ -1,0 +1,181 @@
+#include "pickcell/matches/coarse_template.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pickcell/matches/coarse_scene.hpp"
+#include "pickcell/matches/orientation_field.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
+constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
+constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
+constexpr double kSquareRms = 0.816;     // rms radius of a square over its half side
+
+/// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
+struct Sample {
+  float x, y;
+  float c2, s2, energy;
+};
+
+std::vector<Sample> samples_of(const TemplatePyramid& t, int level, int per_side) {
+  const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
+  OrientationTensor tensor;
+  orientation_tensor(l.grey.view(), tensor);
+  const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutlineDilation_px);
+  const double k = std::ldexp(1.0, level);
+  std::vector<Sample> out;
+  for (int y = 0; y < wanted.height(); ++y)
+    for (int x = 0; x < wanted.width(); ++x) {
+      if (!wanted.at(x, y)) continue;
+      for (int j = 0; j < per_side; ++j)
+        for (int i = 0; i < per_side; ++i)
+          out.push_back({static_cast<float>((x + (i + 0.5) / per_side) * k - 0.5 - t.anchor_x_px),
+                         static_cast<float>((y + (j + 0.5) / per_side) * k - 0.5 - t.anchor_y_px), tensor.c2.at(x, y),
+                         tensor.s2.at(x, y), tensor.energy.at(x, y)});
+    }
+  return out;
+}
+
+/// Square grid of cells about the anchor's.
+struct Grid {
+  int reach;
+  int side;
+  std::vector<float> c2, s2, energy;
+  explicit Grid(int r) : reach(r), side(2 * r + 1), c2(size()), s2(size()), energy(size()) {}
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(side) * static_cast<std::size_t>(side); }
+};
+
+/// Byte weights of one template, two per cell.
+std::vector<std::int16_t> turned(const std::vector<Sample>& samples, double angle_rad, double cells_per_px,
+                                 float sample_area, int reach) {
+  Grid g(reach);
+  const auto a = static_cast<float>(cells_per_px * std::cos(angle_rad));
+  const auto b = static_cast<float>(cells_per_px * std::sin(angle_rad));
+  for (const Sample& s : samples) {
+    const int x = static_cast<int>(std::floor(a * s.x + b * s.y + 0.5f)) + reach;
+    const int y = static_cast<int>(std::floor(-b * s.x + a * s.y + 0.5f)) + reach;
+    if (x < 0 || y < 0 || x >= g.side || y >= g.side) continue;
+    const auto i = static_cast<std::size_t>(y * g.side + x);
+    g.c2[i] += s.c2;
+    g.s2[i] += s.s2;
+    g.energy[i] += s.energy;
+  }
+  const auto ca = static_cast<float>(std::cos(2 * angle_rad));
+  const auto sa = static_cast<float>(std::sin(2 * angle_rad));
+  std::vector<std::int16_t> out(2 * g.size());
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const float k = sample_area / (g.energy[i] * sample_area + kEdgeGrey * kEdgeGrey);
+    const float c = k * (g.c2[i] * ca + g.s2[i] * sa);
+    const float s = k * (g.s2[i] * ca - g.c2[i] * sa);
+    if (std::hypot(c, s) < kLeastMagnitude) continue;
+    out[2 * i] = static_cast<std::int16_t>(std::lrintf(kWeightOfOne * c));
+    out[2 * i + 1] = static_cast<std::int16_t>(std::lrintf(kWeightOfOne * s));
+  }
+  return out;
+}
+
+/// Value below which the given share of the weight lies.
+int weighted_quantile(const std::vector<std::int16_t>& values, const std::vector<float>& weights, double share) {
+  std::vector<std::size_t> order(values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return values[p] < values[q]; });
+  double total = 0;
+  for (float w : weights) total += w;
+  double sum = 0;
+  for (std::size_t i : order)
+    if ((sum += weights[i]) >= share * total) return values[i];
+  return 0;
+}
+
+void set_limits(CoarseTile& tile, double min_visible) {
+  std::vector<float> magnitude;
+  for (std::size_t k = 0; k < tile.dx.size(); ++k) {
+    float m = 0;
+    for (std::size_t q = 8 * k; q < 8 * k + 8; ++q) m += std::abs(static_cast<float>(tile.weights[q]));
+    magnitude.push_back(m);
+  }
+  tile.left = weighted_quantile(tile.dx, magnitude, 1 - min_visible);
+  tile.right = weighted_quantile(tile.dx, magnitude, min_visible);
+  tile.top = weighted_quantile(tile.dy, magnitude, 1 - min_visible);
+  tile.bottom = weighted_quantile(tile.dy, magnitude, min_visible);
+}
+
+CoarseTile make_tile(const std::vector<std::int16_t> (&planes)[4], int reach) {
+  CoarseTile tile;
+  const int side = 2 * reach + 1;
+  double sum[4] = {};
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const auto i = 2 * static_cast<std::size_t>(y * side + x);
+      bool any = false;
+      for (const auto& p : planes) any = any || p[i] != 0 || p[i + 1] != 0;
+      if (!any) continue;
+      tile.dx.push_back(static_cast<std::int16_t>(x - reach));
+      tile.dy.push_back(static_cast<std::int16_t>(y - reach));
+      for (int a = 0; a < 4; ++a) {
+        tile.weights.push_back(planes[a][i]);
+        tile.weights.push_back(planes[a][i + 1]);
+        sum[a] += std::hypot(planes[a][i], planes[a][i + 1]);
+      }
+    }
+  for (int a = 0; a < 4; ++a) tile.norm[a] = sum[a] > 0 ? static_cast<float>(1 / (127 * sum[a])) : 0.f;
+  return tile;
+}
+
+double rim_cells(const TemplatePyramid& t, double factor) { return t.rms_radius_px / kSquareRms / factor; }
+
+std::vector<double> scale_steps(Range scale, double rim, double step) {
+  const int n = std::max(1, static_cast<int>(std::ceil((scale.hi - scale.lo) * rim / step)));
+  std::vector<double> out;
+  for (int i = 0; i < n; ++i) out.push_back(scale.lo * std::pow(scale.hi / scale.lo, (i + 0.5) / n));
+  return out;
+}
+
+}  // namespace
+
+double choose_factor(const TemplatePyramid& t, const CoarseDetail& d) {
+  const double w = t.width();
+  const double h = t.height();
+  double f = std::min(std::sqrt(w * h) / d.side_cells, std::min(w, h) / d.short_cells);
+  if (t.masked) f = std::min(f, std::sqrt(t.area_px) / d.mask_cells);
+  return std::max(1.0, f);
+}
+
+CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+  CoarseTemplates out;
+  out.factor = choose_factor(t, d);
+  const int level = std::min(field_level(out.factor), static_cast<int>(t.levels.size()) - 1);
+  const double rim = rim_cells(t, out.factor);
+  out.angles = 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
+  out.scales = scale_steps(scale, rim, d.scale_step);
+  out.side = std::max(1, static_cast<int>(std::lround(std::sqrt(t.area_px) / out.factor)));
+
+  const int per_side = out.factor < 2 ? 4 : 2;
+  const std::vector<Sample> samples = samples_of(t, level, per_side);
+  double furthest = 0;
+  for (const Sample& s : samples) furthest = std::max(furthest, std::hypot(s.x, static_cast<double>(s.y)));
+  out.reach = static_cast<int>(std::ceil(furthest * out.scales.back() / out.factor)) + 1;
+
+  for (std::size_t s = 0; s < out.scales.size(); ++s) {
+    const double cells_per_px = out.scales[s] / out.factor;
+    const double sample_side = std::ldexp(cells_per_px, level) / per_side;
+    for (int a0 = 0; a0 < out.angles; a0 += 4) {
+      std::vector<std::int16_t> planes[4];
+      for (int a = 0; a < 4; ++a)
+        planes[a] = turned(samples, 2 * std::numbers::pi * (a0 + a) / out.angles, cells_per_px,
+                           static_cast<float>(sample_side * sample_side), out.reach);
+      CoarseTile tile = make_tile(planes, out.reach);
+      tile.scale_index = static_cast<int>(s);
+      tile.first_angle = a0;
+      set_limits(tile, d.min_visible);
+      out.tiles.push_back(std::move(tile));
+    }
+  }
+  return out;
+}
+
+}  // namespace pickcell::matches

@@ -1,0 +1,40 @@
+#pragma once
+/// Scores a place by its edges, and moves it so that the template's contours fall on the scene's.
+
+#include <optional>
+#include <vector>
+
+#include "pickcell/image/image.hpp"
+#include "pickcell/matches/edge_points.hpp"
+#include "pickcell/matches/orientation_field.hpp"
+#include "pickcell/matches/similarity.hpp"
+
+namespace pickcell::matches {
+
+/// How well the scene's edge directions agree with the template's, weighed by the template's field: 1 for the template
+/// itself, about 0 where directions are random, negative where they are across. Points outside the picture count 0.
+[[nodiscard]] double edge_score(const OrientationField& scene, const EdgePoints& points, const LevelMap& map);
+
+struct ContourScratch {
+  struct Observation {
+    float distance, weight;
+    float nx, ny;  ///< normal in the scene
+    float rx, ry;  ///< place relative to the anchor in the scene
+  };
+  std::vector<Observation> seen;
+  std::vector<float> absolute;
+};
+
+struct ContourSearch {
+  int iterations = 2;
+  float radius_px = 2.5f;  ///< of the first iteration, pixels of the level; shrinks by 0.7 to 1.5
+  bool smooth = false;     ///< average along the tangent (level 0, where noise is)
+};
+
+/// Iterated: from each contour point look along the normal for the strongest edge, then fit a similarity to the
+/// distances (Tukey's biweight). None when too few points find an edge or the place runs away.
+[[nodiscard]] std::optional<Similarity> fit_contours(image::ImageView scene_level, int level,
+                                                     const std::vector<ContourPoint>& points, const Similarity& start,
+                                                     const ContourSearch& search, ContourScratch& scratch);
+
+}  // namespace pickcell::matches

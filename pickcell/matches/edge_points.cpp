@@ -1,0 +1,140 @@
+#include "pickcell/matches/edge_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pickcell/matches/orientation_field.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+constexpr int kOutline_px = 2;
+constexpr float kLeastField = 0.35f;
+constexpr float kLeastGradient = 6.f;  // grey values per pixel
+
+/// Chooses about max_items: the strongest of each cell, with cells as large as needed.
+template <class Item, class Strength>
+std::vector<Item> strongest_per_cell(const std::vector<Item>& all, int max_items, int width, int height,
+                                     Strength strength) {
+  std::vector<Item> chosen = all;
+  for (float cell = 1.f; static_cast<int>(chosen.size()) > max_items; cell *= 1.15f) {
+    const int columns = static_cast<int>(static_cast<float>(width + 4) / cell) + 1;
+    const int rows = static_cast<int>(static_cast<float>(height + 4) / cell) + 1;
+    std::vector<const Item*> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), nullptr);
+    for (const Item& item : all) {
+      const int x = std::clamp(static_cast<int>((item.x + 2) / cell), 0, columns - 1);
+      const int y = std::clamp(static_cast<int>((item.y + 2) / cell), 0, rows - 1);
+      const Item*& b =
+          best[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)];
+      if (!b || strength(item) > strength(*b)) b = &item;
+    }
+    chosen.clear();
+    for (const Item* item : best)
+      if (item) chosen.push_back(*item);
+  }
+  return chosen;
+}
+
+struct Anchor {
+  float x, y;
+};
+
+Anchor anchor_at(const TemplatePyramid& t, int level) {
+  const double k = std::ldexp(1.0, -level);
+  return {static_cast<float>((t.anchor_x_px + 0.5) * k - 0.5), static_cast<float>((t.anchor_y_px + 0.5) * k - 0.5)};
+}
+
+struct Gradient {
+  float x, y;
+};
+
+/// Central differences smoothed across by 1-2-1; one pixel inside the picture.
+Gradient smooth_gradient(image::ImageView p, int x, int y) {
+  const auto d = [&](int x1, int y1, int x0, int y0) { return static_cast<float>(p.at(x1, y1) - p.at(x0, y0)); };
+  return {(2 * d(x + 1, y, x - 1, y) + d(x + 1, y - 1, x - 1, y - 1) + d(x + 1, y + 1, x - 1, y + 1)) / 8,
+          (2 * d(x, y + 1, x, y - 1) + d(x - 1, y + 1, x - 1, y - 1) + d(x + 1, y + 1, x + 1, y - 1)) / 8};
+}
+
+struct Found : ContourPoint {
+  float strength;
+};
+
+/// Keeps a pixel whose gradient is a maximum along its own direction, at the maximum's sub-pixel place.
+bool on_contour(image::ImageView p, int x, int y, Found& out) {
+  const Gradient g = smooth_gradient(p, x, y);
+  const float strength = std::hypot(g.x, g.y);
+  if (strength < kLeastGradient) return false;
+  const float nx = g.x / strength;
+  const float ny = g.y / strength;
+  const int sx = static_cast<int>(std::lrintf(1.3f * nx));
+  const int sy = static_cast<int>(std::lrintf(1.3f * ny));
+  if (x + sx < 1 || y + sy < 1 || x - sx < 1 || y - sy < 1) return false;
+  if (x + sx > p.width() - 2 || y + sy > p.height() - 2 || x - sx > p.width() - 2 || y - sy > p.height() - 2)
+    return false;
+  const auto along = [&](int u, int v) {
+    const Gradient h = smooth_gradient(p, u, v);
+    return std::abs(h.x * nx + h.y * ny);
+  };
+  const float ahead = along(x + sx, y + sy);
+  const float behind = along(x - sx, y - sy);
+  if (strength < ahead || strength <= behind) return false;
+  const float bend = ahead + behind - 2 * strength;
+  float shift =
+      bend < 0 ? 0.5f * (behind - ahead) / bend * std::hypot(static_cast<float>(sx), static_cast<float>(sy)) : 0.f;
+  if (std::abs(shift) > 1) shift = 0;
+  out.x = static_cast<float>(x) + nx * shift;
+  out.y = static_cast<float>(y) + ny * shift;
+  out.nx = nx;
+  out.ny = ny;
+  out.strength = strength;
+  return true;
+}
+
+}  // namespace
+
+EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_points) {
+  const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
+  OrientationField field;
+  orientation_field(l.grey.view(), field);
+  const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutline_px);
+  std::vector<EdgePoint> all;
+  for (int y = 1; y + 1 < wanted.height(); ++y)
+    for (int x = 1; x + 1 < wanted.width(); ++x) {
+      if (!wanted.at(x, y)) continue;
+      const float c2 = static_cast<float>(field.at(2 * x, y)) / 127.f;
+      const float s2 = static_cast<float>(field.at(2 * x + 1, y)) / 127.f;
+      if (std::hypot(c2, s2) >= kLeastField) all.push_back({static_cast<float>(x), static_cast<float>(y), c2, s2});
+    }
+  EdgePoints out;
+  out.points = strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
+                                  [](const EdgePoint& p) { return p.c2 * p.c2 + p.s2 * p.s2; });
+  const Anchor anchor = anchor_at(t, level);
+  float sum = 0;
+  for (EdgePoint& p : out.points) {
+    p.x -= anchor.x;
+    p.y -= anchor.y;
+    sum += p.c2 * p.c2 + p.s2 * p.s2;
+    out.radius = std::max(out.radius, std::hypot(p.x, p.y));
+  }
+  out.norm = sum > 0 ? 1 / sum : 0.f;
+  return out;
+}
+
+std::vector<ContourPoint> choose_contour_points(const TemplatePyramid& t, int level, int max_points) {
+  const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
+  const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutline_px);
+  std::vector<Found> all;
+  for (int y = 1; y + 1 < wanted.height(); ++y)
+    for (int x = 1; x + 1 < wanted.width(); ++x) {
+      Found f{};
+      if (wanted.at(x, y) && on_contour(l.grey.view(), x, y, f)) all.push_back(f);
+    }
+  const Anchor anchor = anchor_at(t, level);
+  std::vector<ContourPoint> out;
+  for (const Found& f :
+       strongest_per_cell(all, max_points, wanted.width(), wanted.height(), [](const Found& p) { return p.strength; }))
+    out.push_back({f.x - anchor.x, f.y - anchor.y, f.nx, f.ny});
+  return out;
+}
+
+}  // namespace pickcell::matches

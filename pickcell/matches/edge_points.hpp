@@ -1,0 +1,33 @@
+#pragma once
+/// The template's edges at one pyramid level: for scoring a place, and for moving to a better one.
+
+#include <vector>
+
+#include "pickcell/matches/template_pyramid.hpp"
+
+namespace pickcell::matches {
+
+/// A place where the template's orientation field is strong, relative to the anchor, pixels of the level.
+struct EdgePoint {
+  float x, y;
+  float c2, s2;  ///< field, |(c2, s2)| <= 1
+};
+
+struct EdgePoints {
+  std::vector<EdgePoint> points;
+  float norm = 0;    ///< 1 / sum |field|^2: the template scores 1 against itself
+  float radius = 0;  ///< of the furthest point
+};
+
+/// A point on a contour, relative to the anchor, pixels of the level, with the unit normal along the gradient.
+struct ContourPoint {
+  float x, y;
+  float nx, ny;
+};
+
+/// Both take the outline in: points up to 2 px outside the mask. Strongest point per grid cell, about max_points in
+/// all.
+[[nodiscard]] EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_points);
+[[nodiscard]] std::vector<ContourPoint> choose_contour_points(const TemplatePyramid& t, int level, int max_points);
+
+}  // namespace pickcell::matches

@@ -1,0 +1,48 @@
+#pragma once
+/// Follows the candidates of the coarse search down the pyramid, dropping the hopeless level by level.
+
+#include <vector>
+
+#include "pickcell/matches/best_model.hpp"
+#include "pickcell/matches/best_scene.hpp"
+#include "pickcell/matches/coarse_search.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/work.hpp"
+
+namespace pickcell::matches {
+
+/// A hypothesis that was dropped on the way.
+struct Dropped {
+  Hypothesis hypothesis;
+  RejectReason reason = RejectReason::score;
+  Stage stage = Stage::fine;
+};
+
+struct FollowRequest {
+  int keep_top = 12;
+  int keep_mid = 4;
+  double window = 0.3;   ///< single: below the best of all; several: below the best at the same location
+  bool several = false;  ///< no location may push another out
+  int threads = 1;
+  double sure_ncc = 2;  ///< single: a result this good ends the search (with sure_edge)
+  double sure_edge = 2;
+};
+
+struct Followed {
+  std::vector<Hypothesis> found;  ///< at level 0, best first, no two the same
+  std::vector<Dropped> dropped;
+  std::vector<StageReport> stages;
+};
+
+/// scratch: one per thread.
+[[nodiscard]] Followed follow(const std::vector<CoarseCandidate>& candidates, const BestModel& model, int from_level,
+                              BestScene& scene, const FollowRequest& request, WorkBudget& budget,
+                              std::vector<RefineScratch>& scratch);
+
+/// Best first; ties by place, so that the order never depends on the way it was found.
+void sort_best_first(std::vector<Hypothesis>& list);
+
+/// Whether two hypotheses mean the same place and angle.
+[[nodiscard]] bool same_place(const Similarity& a, const Similarity& b, double side_px);
+
+}  // namespace pickcell::matches

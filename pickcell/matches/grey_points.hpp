@@ -1,0 +1,34 @@
+#pragma once
+/// The template's grey values at one pyramid level, prepared for Gauss-Newton.
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "pickcell/matches/template_pyramid.hpp"
+
+namespace pickcell::matches {
+
+/// Points of the part (away from its outline), at most one per grid cell: the one with the strongest gradient.
+/// Columns over the points, each with its mean taken off: t the grey value, j[0..3] its derivatives by dx, dy (pixels
+/// of the level), turn (radians) and growth of an Increment.
+struct GreyPoints {
+  std::vector<float> qx, qy;  ///< place relative to the anchor, pixels of the level
+  std::vector<float> t;
+  std::array<std::vector<float>, 4> j;
+  Eigen::Matrix<double, 5, 5> inverse;           ///< of the normal matrix of (t, j)
+  double energy = 0;                             ///< sum of t^2
+  float radius = 1;                              ///< of the furthest point from the anchor, pixels of the level
+  float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (qx, qy)
+  double pixels_per_point = 1;                   ///< how many pixels of the part one point stands for
+
+  [[nodiscard]] int size() const { return static_cast<int>(qx.size()); }
+  /// Whether the grey values can tell a place: enough points, some contrast, an invertible normal matrix.
+  [[nodiscard]] bool usable() const {
+    return size() >= 12 && energy > size() && inverse.allFinite() && inverse(0, 0) > 0;
+  }
+};
+
+[[nodiscard]] GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_points);
+
+}  // namespace pickcell::matches

@@ -1,0 +1,164 @@
+#include "pickcell/matches/selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace pickcell::matches {
+namespace {
+
+constexpr double kAngleSlack_deg = 3;  // a result may lie this much outside the asked-for range
+constexpr double kScaleSlack = 0.03;
+constexpr double kLeastContrast = 2;  // grey values
+constexpr double kLeastGain = 0.05;
+constexpr std::size_t kMostRejected = 100;
+
+bool angle_allowed(double angle_deg, Range range) {
+  const double width = range.hi - range.lo + 2 * kAngleSlack_deg;
+  if (width >= 360) return true;
+  double above = std::fmod(angle_deg - range.lo + kAngleSlack_deg, 360.0);
+  if (above < 0) above += 360;
+  return above <= width;
+}
+
+/// From (dx, dy, turn, growth) of the template about the anchor to (x, y, angle_deg, scale) of the reference point.
+Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
+  const double a = s.scale * std::cos(s.angle_rad);
+  const double b = s.scale * std::sin(s.angle_rad);
+  const double rx = a * ref_dx + b * ref_dy;
+  const double ry = -b * ref_dx + a * ref_dy;
+  Eigen::Matrix4d J;
+  J << -a, -b, -ry, -rx,     //
+      b, -a, rx, -ry,        //
+      0, 0, -kDegPerRad, 0,  //
+      0, 0, 0, -s.scale;
+  return J * C * J.transpose();
+}
+
+bool better(const Hypothesis& a, int model_a, const Hypothesis& b, int model_b) {
+  if (a.score != b.score) return a.score > b.score;
+  return std::tie(model_a, a.place.y_px, a.place.x_px) < std::tie(model_b, b.place.y_px, b.place.x_px);
+}
+
+}  // namespace
+
+Selection::Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings,
+                     RefineScratch& scratch)
+    : scene_(scene), options_(options), settings_(settings), scratch_(scratch) {}
+
+Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) const {
+  return {&model, model_index, h, model.outline(h.place), {}};
+}
+
+void Selection::add(const BestModel& model, int model_index, Followed followed) {
+  for (const Hypothesis& h : followed.found) entries_.push_back(entry(model, model_index, h));
+  if (!options_.explain) return;
+  for (const Dropped& d : followed.dropped)
+    turned_.push_back({entry(model, model_index, d.hypothesis), d.reason, d.stage});
+}
+
+void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
+  if (score < e.h.score - settings_.ambiguous_margin) return;
+  const auto known = std::any_of(e.ambiguous_deg.begin(), e.ambiguous_deg.end(),
+                                 [&](double d) { return std::abs(wrap_deg(d - offset_deg)) < 5; });
+  if (!known) e.ambiguous_deg.push_back(wrap_deg(offset_deg));
+}
+
+/// Tries the angles at which teaching saw the same part again, takes the best and notes the ones as good.
+void Selection::resolve_symmetry(Entry& e) {
+  const Hypothesis first = e.h;
+  std::vector<Hypothesis> tries{first};
+  RefineEffort effort;
+  effort.grey_steps = 6;
+  effort.stop_px = 0.01;
+  effort.contour = {3, 2.f, true};
+  effort.contour_from_best = true;
+  for (double offset : e.model->model->learnt.ambiguous_deg) {
+    Similarity s = first.place;
+    s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
+    if (!angle_allowed(s.angle_rad * kDegPerRad, options_.angle_deg.value_or(e.model->model->angle_deg))) continue;
+    tries.push_back(refine(scene_.level(0), e.model->levels[0], s, e.model->scale, effort, scratch_));
+  }
+  const auto best =
+      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  e.h = *best;
+  e.outline = e.model->outline(e.h.place);
+  for (const Hypothesis& t : tries)
+    if (std::abs(wrap_rad(t.place.angle_rad - e.h.place.angle_rad)) * kDegPerRad > 2)
+      note_ambiguity(e, (t.place.angle_rad - e.h.place.angle_rad) * kDegPerRad, t.score);
+}
+
+const RejectReason* Selection::fault(const Entry& e) const {
+  static constexpr RejectReason kScore = RejectReason::score, kBorder = RejectReason::border,
+                                kScale = RejectReason::scale, kContrast = RejectReason::contrast,
+                                kLimit = RejectReason::limit;
+  if (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain) return &kContrast;
+  if (e.h.inside < settings_.min_visible) return &kBorder;
+  if (e.h.place.scale < e.model->scale.lo * (1 - kScaleSlack) ||
+      e.h.place.scale > e.model->scale.hi * (1 + kScaleSlack))
+    return &kScale;
+  if (!angle_allowed(e.h.place.angle_rad * kDegPerRad, options_.angle_deg.value_or(e.model->model->angle_deg)))
+    return &kLimit;
+  if (options_.roi) {
+    const Pose2d p = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
+    const auto& r = *options_.roi;
+    if (p.x_px < r.x - 0.5 || p.y_px < r.y - 0.5 || p.x_px > r.x + r.w - 0.5 || p.y_px > r.y + r.h - 0.5)
+      return &kLimit;
+  }
+  if (e.h.score < options_.min_score.value_or(e.model->model->learnt.suggested_min_score)) return &kScore;
+  return nullptr;
+}
+
+void Selection::finish(FindResult& result) {
+  std::vector<Entry> passed;
+  for (Entry& e : entries_) {
+    if (!e.model->model->learnt.ambiguous_deg.empty()) resolve_symmetry(e);
+    if (const RejectReason* reason = fault(e))
+      turned_.push_back({e, *reason, Stage::final});
+    else
+      passed.push_back(std::move(e));
+  }
+  const auto order = [](const Entry& a, const Entry& b) { return better(a.h, a.model_index, b.h, b.model_index); };
+  std::sort(passed.begin(), passed.end(), order);
+  std::vector<Entry> kept;
+  for (Entry& e : passed) {
+    const auto rival = std::find_if(
+        kept.begin(), kept.end(), [&](const Entry& k) { return overlap(k.outline, e.outline) > options_.max_overlap; });
+    if (rival != kept.end()) {
+      const bool same_spot = rival->model == e.model &&
+                             std::hypot(rival->h.place.x_px - e.h.place.x_px, rival->h.place.y_px - e.h.place.y_px) <
+                                 0.12 * e.model->side_px;
+      const double turn_deg = wrap_deg((e.h.place.angle_rad - rival->h.place.angle_rad) * kDegPerRad);
+      if (same_spot && std::abs(turn_deg) > 5) note_ambiguity(*rival, turn_deg, e.h.score);
+      turned_.push_back({std::move(e), RejectReason::overlap, Stage::final});
+    } else if (static_cast<int>(kept.size()) >= options_.max_matches) {
+      turned_.push_back({std::move(e), RejectReason::limit, Stage::final});
+    } else {
+      kept.push_back(std::move(e));
+    }
+  }
+  for (const Entry& e : kept) result.matches.push_back(describe(e));
+  if (!options_.explain) return;
+  std::stable_sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
+    return a.stage != b.stage ? a.stage > b.stage : order(a.entry, b.entry);
+  });
+  if (turned_.size() > kMostRejected) turned_.resize(kMostRejected);
+  for (const Turned& t : turned_) result.rejected.push_back({describe(t.entry), t.reason, t.stage});
+}
+
+Match Selection::describe(const Entry& e) {
+  Match m;
+  m.model = e.model->model->name;
+  m.model_index = e.model_index;
+  m.pose = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
+  m.score = std::clamp(e.h.score, 0.0, 1.0);
+  const SceneLevel scene = scene_.level(0);
+  const FitQuality q = judge_fit(scene.grey, e.model->levels[0].grey, at_level(e.h.place, 0), scratch_.grey);
+  m.visible = q.visible;
+  m.covariance = pose_covariance(q.covariance, e.h.place, e.model->ref_dx, e.model->ref_dy);
+  m.ambiguous_deg = e.ambiguous_deg;
+  return m;
+}
+
+}  // namespace pickcell::matches

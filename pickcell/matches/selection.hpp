@@ -1,0 +1,49 @@
+#pragma once
+/// The last decisions: what becomes a match, what is turned down and why.
+
+#include <vector>
+
+#include "pickcell/matches/best_model.hpp"
+#include "pickcell/matches/best_scene.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/follow.hpp"
+
+namespace pickcell::matches {
+
+/// Collects the finds of all models, then chooses. Parts exclude each other where their rectangles overlap, whatever
+/// the model; each model has its own score limit.
+class Selection {
+ public:
+  Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch);
+  void add(const BestModel& model, int model_index, Followed followed);
+  /// Fills matches and, when options.explain is set, rejected.
+  void finish(FindResult& result);
+
+ private:
+  struct Entry {
+    const BestModel* model;
+    int model_index;
+    Hypothesis h;
+    RotatedRect outline;
+    std::vector<double> ambiguous_deg;
+  };
+  struct Turned {
+    Entry entry;
+    RejectReason reason;
+    Stage stage;
+  };
+  [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h) const;
+  void resolve_symmetry(Entry& e);
+  void note_ambiguity(Entry& e, double offset_deg, double score);
+  [[nodiscard]] const RejectReason* fault(const Entry& e) const;
+  [[nodiscard]] Match describe(const Entry& e);
+
+  BestScene& scene_;
+  const SearchOptions& options_;
+  const BestSettings& settings_;
+  RefineScratch& scratch_;
+  std::vector<Entry> entries_;
+  std::vector<Turned> turned_;
+};
+
+}  // namespace pickcell::matches

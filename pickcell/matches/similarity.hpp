@@ -1,0 +1,80 @@
+#pragma once
+/// Inside the engine: the similarity that carries template points, taken about the model's anchor, into the scene.
+
+#include <cmath>
+#include <numbers>
+
+#include "pickcell/matches/match.hpp"
+
+namespace pickcell::matches {
+
+/// scene = (x, y) + scale * R(angle) * q with q = template point - anchor, R(a) = [[cos a, sin a], [-sin a, cos a]]:
+/// the convention of Pose2d, in radians and about the anchor. Pixels of level 0.
+struct Similarity {
+  double x_px = 0;
+  double y_px = 0;
+  double angle_rad = 0;
+  double scale = 1;
+};
+
+/// The same at one pyramid level: x' = x + a qx + b qy, y' = y - b qx + a qy with q in pixels of that level.
+struct LevelMap {
+  float x, y, a, b;
+};
+
+/// Pixel centres of level l: x_l = (x_0 + 0.5) / 2^l - 0.5.
+[[nodiscard]] inline LevelMap at_level(const Similarity& s, int level) {
+  const double k = std::ldexp(1.0, -level);
+  return {static_cast<float>((s.x_px + 0.5) * k - 0.5), static_cast<float>((s.y_px + 0.5) * k - 0.5),
+          static_cast<float>(s.scale * std::cos(s.angle_rad)), static_cast<float>(s.scale * std::sin(s.angle_rad))};
+}
+
+[[nodiscard]] inline double wrap_rad(double a) { return std::remainder(a, 2 * std::numbers::pi); }
+
+/// (-180, 180].
+[[nodiscard]] inline double wrap_deg(double a) {
+  const double r = std::remainder(a, 360.0);
+  return r <= -180.0 ? r + 360.0 : r;
+}
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+/// A small similarity of the template about the anchor: q -> (1 + growth) R(turn) q + (dx, dy).
+struct Increment {
+  double dx = 0;
+  double dy = 0;
+  double turn_rad = 0;
+  double growth = 0;
+};
+
+/// s after the inverse of the increment (the update of inverse-compositional Gauss-Newton); dx, dy in pixels of level
+/// 0.
+[[nodiscard]] inline Similarity compose_inverse(const Similarity& s, const Increment& d) {
+  Similarity r = s;
+  r.angle_rad = wrap_rad(s.angle_rad - d.turn_rad);
+  r.scale = s.scale / (1 + d.growth);
+  const double a = r.scale * std::cos(r.angle_rad);
+  const double b = r.scale * std::sin(r.angle_rad);
+  r.x_px -= a * d.dx + b * d.dy;
+  r.y_px -= -b * d.dx + a * d.dy;
+  return r;
+}
+
+/// Where a template point lies in the scene; tx, ty relative to the anchor.
+[[nodiscard]] inline Pose2d pose_of(const Similarity& s, double tx, double ty) {
+  const double a = s.scale * std::cos(s.angle_rad);
+  const double b = s.scale * std::sin(s.angle_rad);
+  return {s.x_px + a * tx + b * ty, s.y_px - b * tx + a * ty, wrap_deg(s.angle_rad * kDegPerRad), s.scale};
+}
+
+/// The inverse of pose_of.
+[[nodiscard]] inline Similarity similarity_of(const Pose2d& p, double tx, double ty) {
+  Similarity s{p.x_px, p.y_px, p.angle_deg / kDegPerRad, p.scale};
+  const double a = s.scale * std::cos(s.angle_rad);
+  const double b = s.scale * std::sin(s.angle_rad);
+  s.x_px -= a * tx + b * ty;
+  s.y_px -= -b * tx + a * ty;
+  return s;
+}
+
+}  // namespace pickcell::matches

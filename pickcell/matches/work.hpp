@@ -1,0 +1,37 @@
+#pragma once
+/// How the engine shares its work over threads and stops when its time is up.
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+namespace pickcell::matches {
+
+/// Milliseconds of CPU time of the calling thread.
+[[nodiscard]] double thread_cpu_ms();
+
+/// A limit on the caller's CPU time. spent() may be asked from any thread; only the thread that made the budget looks
+/// at the clock, the others see what it found.
+class WorkBudget {
+ public:
+  using CpuClock = std::function<double()>;
+  explicit WorkBudget(std::optional<double> limit_ms = {}, CpuClock clock = thread_cpu_ms);
+  /// True once the limit has been reached; stays true.
+  [[nodiscard]] bool spent();
+
+ private:
+  std::optional<double> limit_ms_;
+  CpuClock clock_;
+  double start_ms_;
+  std::atomic<bool> spent_{false};
+  std::size_t owner_;
+};
+
+/// Calls body(index, worker) for every index in [0, count), worker in [0, threads). The caller is worker 0. Which
+/// worker gets which index is not fixed, so a body writes only to its index' own place.
+void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& body);
+
+/// 0 stands for all.
+[[nodiscard]] int thread_count(int asked);
+
+}  // namespace pickcell::matches
