@@ -1,0 +1,19 @@
+#pragma once
+/// What there is in a template to find it by.
+
+#include "pickcell/image/image.hpp"
+
+namespace pickcell::matches {
+
+struct PartFeatures {
+  double part_pixels = 0;   ///< in the mask
+  double long_side_px = 0;  ///< of a rectangle with the part's second moments
+  double short_side_px = 0;
+  double coarse_std = 0;       ///< grey values, inside the mask, at the level where the part is about 24 pixels wide
+  double direction_ratio = 1;  ///< weaker over stronger eigenvalue of the gradients' structure tensor, 0..1
+};
+
+/// mask: same size, >= 128 is part; empty: everything.
+[[nodiscard]] PartFeatures measure_features(image::ImageView picture, image::ImageView mask);
+
+}  // namespace pickcell::matches

@@ -1,0 +1,180 @@
+#include "pickcell/matches/self_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pickcell/image/pyramid.hpp"
+
+namespace pickcell::matches {
+
+namespace {
+
+constexpr double kStepDeg = 2;
+constexpr double kMaxWorkSidePx = 64;    ///< of the square of the part's area at the working level; at least half of it
+constexpr double kSame = 0.95;           ///< a symmetric part's likeness: resampling costs 1 to 4 percent
+constexpr double kNearlySame = 0.9;      ///< a matcher under occlusion and blur may take it for the true angle
+constexpr double kHopeless = 0.3;        ///< not worth climbing from
+constexpr double kNearDeg = 20;          ///< the true angle's own shoulder
+constexpr double kRectangleCover = 0.8;  ///< without a mask the corners are background
+
+/// The template at the level where the search is cheap and shapes are still to be told apart.
+struct Work {
+  image::Image picture;
+  image::Image mask;
+  double area = 0;
+  double centre_x = 0, centre_y = 0;
+  bool masked = false;
+};
+
+Work make_work(image::ImageView picture, image::ImageView mask) {
+  Work work;
+  work.masked = !mask.empty();
+  image::Image full;
+  if (!work.masked) {
+    full.resize(picture.width(), picture.height());
+    full.fill(255);
+  }
+  const image::ImageView part = work.masked ? mask : full.view();
+  double area = 0;
+  for (int y = 0; y < part.height(); ++y)
+    for (int x = 0; x < part.width(); ++x) area += part.at(x, y) >= 128 ? 1 : 0;
+  image::Pyramid pictures, masks;
+  pictures.build(picture, 4);
+  masks.build(part, 4);
+  int level = 0;
+  for (double side = std::sqrt(area); side > kMaxWorkSidePx && level + 1 < pictures.levels(); side /= 2) ++level;
+  work.picture = image::Image(pictures.level(level));
+  work.mask = image::Image(masks.level(level));
+  for (int y = 0; y < work.mask.height(); ++y)
+    for (int x = 0; x < work.mask.width(); ++x)
+      if (work.mask.at(x, y) >= 128) {
+        work.area += 1;
+        work.centre_x += x;
+        work.centre_y += y;
+      }
+  work.centre_x /= std::max(1.0, work.area);
+  work.centre_y /= std::max(1.0, work.area);
+  return work;
+}
+
+/// Likeness of the template and itself turned about the centre and moved by (dx, dy).
+double likeness(const Work& work, double angle_deg, double dx, double dy) {
+  const double a = angle_deg * std::numbers::pi / 180;
+  const double c = std::cos(a), s = std::sin(a);
+  double n = 0, sum_a = 0, sum_b = 0, sum_aa = 0, sum_bb = 0, sum_ab = 0;
+  const int last_x = work.picture.width() - 1, last_y = work.picture.height() - 1;
+  for (int y = 0; y <= last_y; ++y)
+    for (int x = 0; x <= last_x; ++x) {
+      if (work.mask.at(x, y) < 128) continue;
+      const double u = x - work.centre_x, v = y - work.centre_y;
+      const double fx = work.centre_x + dx + c * u + s * v, fy = work.centre_y + dy - s * u + c * v;
+      if (!(fx >= 0 && fy >= 0 && fx <= last_x && fy <= last_y)) continue;
+      const int ix = std::min(static_cast<int>(fx), last_x - 1), iy = std::min(static_cast<int>(fy), last_y - 1);
+      if (work.mask.at(static_cast<int>(fx + 0.5), static_cast<int>(fy + 0.5)) < 128) continue;
+      const double wx = fx - ix, wy = fy - iy;
+      const double there = (work.picture.at(ix, iy) * (1 - wx) + work.picture.at(ix + 1, iy) * wx) * (1 - wy) +
+                           (work.picture.at(ix, iy + 1) * (1 - wx) + work.picture.at(ix + 1, iy + 1) * wx) * wy;
+      const double here = work.picture.at(x, y);
+      n += 1;
+      sum_a += here;
+      sum_b += there;
+      sum_aa += here * here;
+      sum_bb += there * there;
+      sum_ab += here * there;
+    }
+  if (n < 0.2 * work.area || n < 9) return 0;
+  const double var_a = sum_aa - sum_a * sum_a / n, var_b = sum_bb - sum_b * sum_b / n;
+  if (var_a < n || var_b < n) return 0;
+  const double ncc = (sum_ab - sum_a * sum_b / n) / std::sqrt(var_a * var_b);
+  const double cover = n / work.area;
+  return std::max(0.0, ncc) * (work.masked ? cover : std::min(1.0, cover / kRectangleCover));
+}
+
+/// The best likeness near the centre: climbs in steps of one and then half a pixel.
+double best_likeness(const Work& work, double angle_deg) {
+  double best = likeness(work, angle_deg, 0, 0), best_x = 0, best_y = 0;
+  for (double step = 1; step >= 0.5; step /= 2)
+    for (int round = 0; round < 8 && best > kHopeless; ++round) {
+      const double from_x = best_x, from_y = best_y;
+      for (const auto& [mx, my] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        const double there = likeness(work, angle_deg, from_x + mx * step, from_y + my * step);
+        if (there > best) {
+          best = there;
+          best_x = from_x + mx * step;
+          best_y = from_y + my * step;
+        }
+      }
+      if (best_x == from_x && best_y == from_y) break;
+    }
+  return best;
+}
+
+double distance_deg(double a, double b) { return std::abs(std::remainder(a - b, 360.0)); }
+
+double highest_near(const std::vector<TurnedLikeness>& curve, double angle_deg, double within_deg) {
+  double best = 0;
+  for (const auto& [angle, value] : curve)
+    if (distance_deg(angle, angle_deg) <= within_deg) best = std::max(best, value);
+  return best;
+}
+
+int symmetry_order(const std::vector<TurnedLikeness>& curve) {
+  double lowest = 1;
+  for (const auto& point : curve) lowest = std::min(lowest, point.likeness);
+  if (lowest >= kSame) return kAnyAngle;
+  int order = 1;
+  for (int k = 2; k <= 36; ++k) {
+    double worst = 1;
+    for (int i = 1; i < k; ++i) worst = std::min(worst, highest_near(curve, 360.0 * i / k, kStepDeg / 2 + 0.01));
+    if (worst >= kSame) order = k;
+  }
+  return order;
+}
+
+bool is_peak(const std::vector<TurnedLikeness>& curve, std::size_t i) {
+  return curve[i].likeness >= highest_near(curve, curve[i].angle_deg, kNearDeg / 2);
+}
+
+/// Two equal points beside each other are one peak between them.
+void add_peak(std::vector<double>& peaks, double angle_deg) {
+  if (!peaks.empty() && angle_deg - peaks.back() < kNearDeg / 2)
+    peaks.back() = (peaks.back() + angle_deg) / 2;
+  else
+    peaks.push_back(angle_deg);
+}
+
+}  // namespace
+
+std::vector<TurnedLikeness> turned_likeness(image::ImageView picture, image::ImageView mask) {
+  const Work work = make_work(picture, mask);
+  std::vector<TurnedLikeness> curve;
+  if (work.picture.width() < 2 || work.picture.height() < 2 || work.area < 9) return curve;
+  for (double angle = kStepDeg; angle <= 180; angle += kStepDeg) curve.push_back({angle, best_likeness(work, angle)});
+  for (std::size_t i = curve.size() - 1; i-- > 0;)  // turning by -a compares the same two pictures
+    curve.push_back({360 - curve[i].angle_deg, curve[i].likeness});
+  return curve;
+}
+
+SelfMatch self_match(image::ImageView picture, image::ImageView mask) {
+  const auto curve = turned_likeness(picture, mask);
+  SelfMatch found;
+  if (curve.empty()) return found;
+  found.symmetry_order = symmetry_order(curve);
+  if (found.symmetry_order == kAnyAngle) {
+    for (double angle = 30; angle < 360; angle += 30) found.ambiguous_deg.push_back(angle);
+    return found;
+  }
+  const double near = std::min(kNearDeg, 180.0 / found.symmetry_order);
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const double to_symmetric = std::remainder(curve[i].angle_deg, 360.0 / found.symmetry_order);
+    if (std::abs(to_symmetric) < near || !is_peak(curve, i)) continue;
+    found.second_best = std::max(found.second_best, curve[i].likeness);
+    if (curve[i].likeness >= kNearlySame) add_peak(found.ambiguous_deg, curve[i].angle_deg);
+  }
+  for (int i = 1; i < found.symmetry_order; ++i) found.ambiguous_deg.push_back(360.0 * i / found.symmetry_order);
+  std::sort(found.ambiguous_deg.begin(), found.ambiguous_deg.end());
+  return found;
+}
+
+}  // namespace pickcell::matches

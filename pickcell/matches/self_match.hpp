@@ -1,0 +1,34 @@
+#pragma once
+/// How much a template looks like itself when it is turned: its symmetry, and the angles a matcher may take for the
+/// true one.
+
+#include <vector>
+
+#include "pickcell/image/image.hpp"
+
+namespace pickcell::matches {
+
+/// Angles are offsets from the taught one, degrees in (0, 360), counter-clockwise.
+struct SelfMatch {
+  /// Turning by 360/order gives the same picture; 1: none, kAnyAngle: a disc, no angle can be told.
+  int symmetry_order = 1;
+  /// Offsets at which the part looks nearly the same, the symmetry's included (for a disc: every 30 degrees).
+  std::vector<double> ambiguous_deg;
+  /// Best likeness at an angle that is neither near 0 nor one of the symmetry's, 0..1.
+  double second_best = 0;
+};
+
+constexpr int kAnyAngle = 360;
+
+/// Likeness of the template and itself turned by angle_deg: masked NCC at best position, less where the outlines
+/// differ. mask: same size, >= 128 is part; empty: everything. 0..1.
+struct TurnedLikeness {
+  double angle_deg = 0;
+  double likeness = 0;
+};
+/// At even steps over (0, 360).
+[[nodiscard]] std::vector<TurnedLikeness> turned_likeness(image::ImageView picture, image::ImageView mask);
+
+[[nodiscard]] SelfMatch self_match(image::ImageView picture, image::ImageView mask);
+
+}  // namespace pickcell::matches
