@@ -114,7 +114,7 @@ void HandOver::decide() {
       return decide_read_back();
     case Then::command_looked:
       if (known(Register::command) == kPickReady || known(Register::command) == kTaken) return;
-      read({Register::done, Register::result, Register::reason});
+      read({Register::done, Register::result, Register::reason, Register::accepted, Register::held_epoch});
       then_ = Then::outcome_looked;
       return;
     case Then::outcome_looked:
@@ -217,6 +217,8 @@ void HandOver::decide_outcome() {
   settle_finished();
   if (open_.empty()) {
     phase_ = HandOverPhase::ready;
+  } else if (waits_for_a_person() && known(Register::held_epoch) >= epoch_) {
+    phase_ = HandOverPhase::held;  // the controller was restarted; raising the fence now would let the job go on
   } else {
     raise_fence();  // the job dropped the command; only behind the fence is it certain that it stays dropped
   }
