@@ -39,21 +39,12 @@ struct View2 {
   }
 };
 
-/// Light that reaches the ground at a point of the part's frame, 0..1.
-double ground_light(const PartTexture& part, const Point2& p, const Point2& towards_light, const Light& light) {
-  const double h = part.kind().height_mm;
-  const double close = std::clamp(1 - part.distance(p.x(), p.y()) / (0.5 * h), 0.0, 1.0);
-  const Point2 shifted = p + 0.5 * h * towards_light;
-  const double cast = std::clamp(0.5 - part.distance(shifted.x(), shifted.y()) / (0.5 * h), 0.0, 1.0);
-  return (1 - 0.3 * close * close) * (1 - 0.7 * light.strength * cast);
-}
-
 struct Sampled {
   float coverage = 0;
   float light = 0;  ///< times coverage
 };
 
-Sampled sample_pixel(const PartTexture& part, const View2& view, int x, int y, const Light& light) {
+Sampled sample_pixel(const PartTexture& part, const View2& view, int x, int y, const Lighting& lit) {
   Sampled sum;
   for (int j = 0; j < kSamples; ++j)
     for (int i = 0; i < kSamples; ++i) {
@@ -61,7 +52,7 @@ Sampled sample_pixel(const PartTexture& part, const View2& view, int x, int y, c
       const Surfel s = part.sample(p.x(), p.y());
       if (s.coverage <= 0) continue;
       sum.coverage += s.coverage;
-      sum.light += s.coverage * part.shade(s, p.x(), p.y(), view.c, view.s, light);
+      sum.light += s.coverage * part.shade(s, p.x(), p.y(), lit);
     }
   return {sum.coverage / (kSamples * kSamples), sum.light / (kSamples * kSamples)};
 }
@@ -79,16 +70,14 @@ void lay_surface(LightPlane& scene, const SurfaceTexture& surface, double px_per
 void lay_part(LightPlane& scene, const PartTexture& part, const FlatPose& pose, const Light& light) {
   const View2 view(pose);
   const PixelBox box = view.around(part.kind().outline.bounds(), part.kind().height_mm, scene);
-  const double from = core::rad_from_deg(light.from_deg);
-  const Point2 towards(view.c * std::cos(from) + view.s * std::sin(from),
-                       view.c * std::sin(from) - view.s * std::cos(from));
+  const Lighting lit(pose.angle_deg, light);
   for (int y = box.y0; y < box.y1; ++y)
     for (int x = box.x0; x < box.x1; ++x) {
       const Point2 p = view.part_mm(x, y);
       float& pixel = scene.at(x, y);
       const double d = part.distance(p.x(), p.y()) * pose.px_per_mm;
-      const Sampled top = d < 2 ? sample_pixel(part, view, x, y, light) : Sampled{};
-      if (top.coverage < 1) pixel *= static_cast<float>(ground_light(part, p, towards, light));
+      const Sampled top = d < 2 ? sample_pixel(part, view, x, y, lit) : Sampled{};
+      if (top.coverage < 1) pixel *= part.ground_light(p.x(), p.y(), lit);
       pixel = (1 - top.coverage) * pixel + top.light;
     }
 }
@@ -97,8 +86,9 @@ LightPlane coverage(int width, int height, const PartTexture& part, const FlatPo
   LightPlane out(width, height);
   const View2 view(pose);
   const PixelBox box = view.around(part.kind().outline.bounds(), 0, out);
+  const Lighting lit(pose.angle_deg, {});
   for (int y = box.y0; y < box.y1; ++y)
-    for (int x = box.x0; x < box.x1; ++x) out.at(x, y) = sample_pixel(part, view, x, y, {}).coverage;
+    for (int x = box.x0; x < box.x1; ++x) out.at(x, y) = sample_pixel(part, view, x, y, lit).coverage;
   return out;
 }
 

@@ -57,7 +57,10 @@ double gloss(Finish finish) {
 }  // namespace
 
 PartTexture::PartTexture(const PartKind& kind)
-    : kind_(kind), face_(wider(kind.outline.bounds(), 1)), surround_(wider(kind.outline.bounds(), kSurroundMm)) {
+    : kind_(kind),
+      face_(wider(kind.outline.bounds(), 1)),
+      surround_(wider(kind.outline.bounds(), kSurroundMm)),
+      brush_(std::cos(core::rad_from_deg(kind.brush_deg)), std::sin(core::rad_from_deg(kind.brush_deg))) {
   const Point2 face_px = face_.size() * kFacePerMm;
   const int w = static_cast<int>(std::ceil(face_px.x())) + 1, h = static_cast<int>(std::ceil(face_px.y())) + 1;
   surfels_.resize(4 * w, h);
@@ -152,32 +155,44 @@ float PartTexture::distance(double x_mm, double y_mm) const {
   return (1 - fv) * ((1 - fu) * a[0] + fu * a[1]) + fv * ((1 - fu) * b[0] + fu * b[1]);
 }
 
-float PartTexture::shade(const Surfel& s, double x_mm, double y_mm, double cos_turn, double sin_turn,
-                         const Light& light) const {
-  const double from = core::rad_from_deg(light.from_deg), lx = std::cos(from), ly = std::sin(from);
-  const double towards = lx * (cos_turn * s.nx - sin_turn * s.ny) + ly * (sin_turn * s.nx + cos_turn * s.ny);
-  double value = s.albedo * (1 + light.strength * gloss(kind_.finish) * towards);
+Lighting::Lighting(double angle_deg, const Light& light)
+    : c(std::cos(core::rad_from_deg(angle_deg))),
+      s(std::sin(core::rad_from_deg(angle_deg))),
+      lx(std::cos(core::rad_from_deg(light.from_deg))),
+      ly(std::sin(core::rad_from_deg(light.from_deg))),
+      strength(light.strength) {}
+
+float PartTexture::shade(const Surfel& s, double x_mm, double y_mm, const Lighting& lit) const {
+  const double towards = lit.lx * (lit.c * s.nx - lit.s * s.ny) + lit.ly * (lit.s * s.nx + lit.c * s.ny);
+  double value = s.albedo * (1 + lit.strength * gloss(kind_.finish) * towards);
   if (kind_.finish == Finish::turned || kind_.finish == Finish::brushed) {
     // Grooves shine across their direction: the double wedge of turned faces, the change of brushed ones with their
     // angle.
-    double cx = 1, cy = 0;
-    if (kind_.finish == Finish::turned) {
-      const double r = std::max(std::hypot(x_mm, y_mm), 1e-6);
-      cx = -y_mm / r, cy = x_mm / r;
-    } else {
-      cx = std::cos(core::rad_from_deg(kind_.brush_deg)), cy = std::sin(core::rad_from_deg(kind_.brush_deg));
-    }
-    const double gx = cos_turn * cx - sin_turn * cy, gy = sin_turn * cx + cos_turn * cy;
-    const double across = lx * gy - ly * gx;
-    value *= 1 + 0.3 * light.strength * (2 * across * across - 1);
+    Point2 groove = brush_;
+    if (kind_.finish == Finish::turned)
+      groove = Point2(-y_mm, x_mm) / std::max(std::sqrt(x_mm * x_mm + y_mm * y_mm), 1e-6);
+    const double gx = lit.c * groove.x() - lit.s * groove.y(), gy = lit.s * groove.x() + lit.c * groove.y();
+    const double across = lit.lx * gy - lit.ly * gx;
+    value *= 1 + 0.3 * lit.strength * (2 * across * across - 1);
   }
   return static_cast<float>(std::max(value, 0.01));
 }
 
-float PartTexture::shade_wall(double nx, double ny, const Light& light) const {
-  const double from = core::rad_from_deg(light.from_deg);
-  const double towards = nx * std::cos(from) + ny * std::sin(from);
-  return static_cast<float>(std::max(0.45 * kind_.albedo * (1 + 0.8 * light.strength * towards), 0.01));
+float PartTexture::shade_wall(double nx, double ny, const Lighting& lit) const {
+  const double towards = lit.lx * (lit.c * nx - lit.s * ny) + lit.ly * (lit.s * nx + lit.c * ny);
+  return static_cast<float>(std::max(0.45 * kind_.albedo * (1 + 0.8 * lit.strength * towards), 0.01));
+}
+
+float PartTexture::ground_light(double x_mm, double y_mm, const Lighting& lit) const {
+  const double half = 0.5 * kind_.height_mm;
+  const auto reach = static_cast<float>(half);
+  const float d = distance(x_mm, y_mm);
+  if (d > 1.5F * reach) return 1;
+  const float close = std::clamp(1 - d / reach, 0.0F, 1.0F);
+  const double towards_x = lit.c * lit.lx + lit.s * lit.ly, towards_y = lit.c * lit.ly - lit.s * lit.lx;
+  const float under = distance(x_mm + half * towards_x, y_mm + half * towards_y);
+  const float cast = std::clamp(0.5F - under / reach, 0.0F, 1.0F);
+  return (1 - 0.3F * close * close) * (1 - static_cast<float>(0.7 * lit.strength) * cast);
 }
 
 const PartTexture& part_texture(std::string_view name) {

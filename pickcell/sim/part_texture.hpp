@@ -24,6 +24,14 @@ struct Light {
   double strength = 0.4;
 };
 
+/// How a part lies to the light, worked out once per part.
+struct Lighting {
+  double c = 1, s = 0;    ///< cosine and sine of the part's angle
+  double lx = 1, ly = 0;  ///< towards the light, in the frame the part lies in
+  double strength = 0;
+  Lighting(double angle_deg, const Light& light);
+};
+
 /// Immutable after construction; thread-safe.
 class PartTexture {
  public:
@@ -40,11 +48,13 @@ class PartTexture {
   [[nodiscard]] const std::vector<Point2>& inside() const { return inside_; }
   /// Of a circle about the centre of the outline's bounds that encloses the part.
   [[nodiscard]] double radius_mm() const { return kind_.outline.bounds().size().norm() / 2; }
-  /// Reflected light for illumination 1, where the part is turned by a angle whose cosine and sine are given.
-  [[nodiscard]] float shade(const Surfel& s, double x_mm, double y_mm, double cos_turn, double sin_turn,
-                            const Light& light) const;
-  /// Reflected light of the side wall whose outward normal in the frame of the light is (nx, ny).
-  [[nodiscard]] float shade_wall(double nx, double ny, const Light& light) const;
+  /// Reflected light of the top face for illumination 1.
+  [[nodiscard]] float shade(const Surfel& s, double x_mm, double y_mm, const Lighting& lit) const;
+  /// Reflected light of the side wall whose outward normal in the part's frame is (nx, ny).
+  [[nodiscard]] float shade_wall(double nx, double ny, const Lighting& lit) const;
+  /// Light that reaches the ground at a point of the part's frame, 0..1: contact shadow and a soft cast one. 1 from
+  /// 3/4 of the part's height away.
+  [[nodiscard]] float ground_light(double x_mm, double y_mm, const Lighting& lit) const;
 
  private:
   void collect_points();
@@ -54,6 +64,7 @@ class PartTexture {
   PartKind kind_;
   Box2 face_;                    ///< of the surfel raster
   Box2 surround_;                ///< of the distance raster
+  Point2 brush_;                 ///< direction of the grinding marks
   image::Plane<float> surfels_;  ///< four per pixel
   image::Plane<float> distance_;
   std::vector<Point2> rim_;
