@@ -51,6 +51,15 @@ class Stopwatch {
   double start_ms_;
 };
 
+/// A picture whose template cannot be taught is not found.
+ImageOutcome not_taught(const Dataset& set, std::size_t index, const std::string& why) {
+  ImageOutcome out;
+  out.image = index;
+  out.score.truths = set.images[index].truths.size();
+  out.score.why = "the template cannot be taught: " + why;
+  return out;
+}
+
 /// One set being searched.
 class Search {
  public:
@@ -103,7 +112,7 @@ class Search {
 
   core::Status search_absent(std::size_t index, image::ImageView view, ImageOutcome& out) {
     const auto other = options_.absent ? absent_template(set_, index) : std::nullopt;
-    if (!other) return {};
+    if (!other || !models_[*other]) return {};
     SearchOptions how;
     how.threads = options_.threads;
     auto found = find(view, *models_[*other], how);
@@ -143,6 +152,10 @@ core::Status match_images(const Dataset& set, const Models& models, matches::Eng
   Search search(set, models, engine, run.options);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const DatasetImage& image = set.images[chosen[i]];
+    if (!models[image.template_index]) {
+      run.images.push_back(not_taught(set, chosen[i], run.untaught[image.template_index]));
+      continue;
+    }
     auto picture = load(set.folder / image.file);
     if (!picture) return core::forward(picture);
     auto fits = check_size(set.folder / image.file, image.size_px, picture->width(), picture->height());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,20 +30,23 @@ struct ImageOutcome {
   std::size_t image = 0;  ///< place in Dataset::images
   ImageScore score;
   bool correct_at_threshold = false;  ///< correct, and no score below the model's suggested threshold
-  double ms = 0;  ///< the second run: thread CPU time with one thread, wall time with more; pyramid included
+  std::optional<double>
+      ms;  ///< of the second run: thread CPU time with one thread, wall time with more; pyramid included
   std::int64_t ncc_count = 0;
   std::optional<bool> false_accept;  ///< with BenchOptions::absent, where the set allows it: something was reported
 };
 
 struct BenchRun {
   BenchOptions options;
-  std::string isa;                   ///< what the engine's kernels were run with
-  std::vector<double> teach_ms;      ///< thread CPU time per template that was taught
-  std::vector<double> yardstick_ms;  ///< empty when built without it
+  std::string isa;                              ///< what the engine's kernels were run with
+  std::vector<double> teach_ms;                 ///< thread CPU time per template that was taught
+  std::map<std::size_t, std::string> untaught;  ///< why, by the place of the template
+  std::vector<double> yardstick_ms;             ///< empty when built without it
   std::vector<ImageOutcome> images;
 };
 
-/// The models of a set by the place of their template; empty where no picture of the run needs it. Models must not
+/// The models of a set by the place of their template; empty where no picture of the run needs it
+/// or teaching refused it. Models must not
 /// move.
 using Models = std::vector<std::unique_ptr<matches::Model>>;
 

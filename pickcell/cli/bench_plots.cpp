@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "pickcell/cli/statistics.hpp"
 #include "pickcell/core/file.hpp"
+#include "pickcell/core/statistics.hpp"
 
 namespace pickcell::cli {
 
@@ -79,8 +79,8 @@ std::vector<NamedPlot> error_plots(const BenchRun& run, const BenchReport& repor
     plot.title = spec.title;
     plot.subtitle = run_of(report) + "; " + std::to_string(values.size()) + " poses found correctly";
     plot.x.label = spec.label;
-    const double middle = *median(values);
-    const double p95 = *quantile(values, 0.95);
+    const double middle = *core::median(values);
+    const double p95 = *core::quantile(values, 0.95);
     plot.marks = {{middle, "median " + rounded(middle, 3) + " " + spec.unit},
                   {p95, "95 % " + rounded(p95, 3) + " " + spec.unit},
                   {spec.limit, spec.limit_name}};
@@ -128,14 +128,14 @@ Plot time_plot(const Dataset& set, const BenchRun& run, const BenchReport& repor
   std::vector<double> times;
   for (const ImageOutcome& outcome : run.images) {
     const DatasetTemplate& part = set.templates[set.images[outcome.image].template_index];
-    if (!part.size_px || outcome.ms <= 0) continue;
+    if (!part.size_px || !outcome.ms) continue;
     const double side = std::sqrt(static_cast<double>(part.size_px->width_px) * part.size_px->height_px);
     const std::string name = part.size.empty() ? "images" : part.size;
     auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == name; });
     if (series == plot.series.end()) series = plot.series.insert(series, {name, {}, {}});
-    series->points.push_back({side, outcome.ms});
+    series->points.push_back({side, *outcome.ms});
     sides.push_back(side);
-    times.push_back(outcome.ms);
+    times.push_back(*outcome.ms);
   }
   if (sides.empty()) return plot;
   const auto [x_lo, x_hi] = log_ends(sides);

@@ -4,7 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "pickcell/cli/statistics.hpp"
+#include "pickcell/core/statistics.hpp"
 
 namespace pickcell::cli {
 
@@ -23,10 +23,10 @@ ClassFigures figures_of(std::string name, const OutcomeList& outcomes) {
     out.correct += outcome->score.correct ? 1 : 0;
     out.strict += outcome->score.strict ? 1 : 0;
     out.ncc_count += outcome->ncc_count;
-    times.push_back(outcome->ms);
+    if (outcome->ms) times.push_back(*outcome->ms);
   }
-  out.median_ms = median(times).value_or(0);
-  out.mean_ms = mean(times).value_or(0);
+  out.median_ms = core::median(times).value_or(0);
+  out.mean_ms = core::mean(times).value_or(0);
   return out;
 }
 
@@ -50,7 +50,7 @@ ErrorFigures error_figures(const BenchRun& run, double PoseError::* part) {
   std::vector<double> values;
   for (const ImageOutcome& outcome : run.images)
     for (const Hit& hit : outcome.score.hits) values.push_back(hit.error.*part);
-  return {median(values), quantile(values, 0.95)};
+  return {core::median(values), core::quantile(values, 0.95)};
 }
 
 InstanceFigures instance_figures(const Dataset& set, const BenchRun& run) {
@@ -136,17 +136,17 @@ BenchReport summarise(const Dataset& set, const BenchRun& run) {
   for (const ImageOutcome& outcome : run.images) {
     const DatasetImage& image = set.images[outcome.image];
     all.push_back(&outcome);
-    times.push_back(outcome.ms);
+    if (outcome.ms) times.push_back(*outcome.ms);
     has_instances = has_instances || image.has_instances;
     if (!outcome.score.correct) out.failures.push_back({image.file.generic_string(), outcome.score.why});
   }
   out.all = figures_of("all", all);
-  out.p95_ms = quantile(times, 0.95).value_or(0);
-  out.teach_ms = median(run.teach_ms);
+  out.p95_ms = core::quantile(times, 0.95).value_or(0);
+  out.teach_ms = core::median(run.teach_ms);
   out.px = error_figures(run, &PoseError::position_px);
   out.deg = error_figures(run, &PoseError::angle_deg);
   out.scale_pct = error_figures(run, &PoseError::scale_pct);
-  out.yardstick_ms = median(run.yardstick_ms);
+  out.yardstick_ms = core::median(run.yardstick_ms);
   out.by_size = figures_by(run, {"small", "medium", "large"}, [&](const ImageOutcome& outcome) {
     return set.templates[set.images[outcome.image].template_index].size;
   });

@@ -166,7 +166,8 @@ std::vector<double> axis_ticks(const PlotAxis& axis, int wanted) {
   for (const double s : {5.0, 2.0, 1.0})
     if (s * decade >= raw * 0.999) step = s * decade;
   std::vector<double> out;
-  for (double i = std::ceil(axis.lo / step - 1e-9); i * step <= axis.hi + 1e-9 * step; ++i) out.push_back(i * step);
+  for (double i = std::ceil(axis.lo / step - 1e-9) + 0.0 /* not -0 */; i * step <= axis.hi + 1e-9 * step; ++i)
+    out.push_back(i * step);
   return out;
 }
 
