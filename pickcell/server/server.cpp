@@ -40,6 +40,7 @@ constexpr std::size_t kMaxBodyBytes = 16 << 10;
 constexpr std::size_t kMaxMessageBytes = 64 << 10;
 constexpr int kSendBufferBytes = 256 << 10;  // bounds what the kernel holds for a client that does not read
 constexpr auto kHttpDeadline = std::chrono::seconds(15);
+constexpr auto kHandshakeDeadline = std::chrono::seconds(5);  // to open and to close a WebSocket
 constexpr auto kCheckInterval = std::chrono::milliseconds(250);
 
 std::int64_t unix_us_now() {
@@ -123,6 +124,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
   /// request outlives the handshake by being moved in.
   void open(http::request<http::string_body> request) {
     auto timeout = websocket::stream_base::timeout::suggested(beast::role_type::server);
+    timeout.handshake_timeout = kHandshakeDeadline;
     timeout.idle_timeout = std::chrono::seconds(30);
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
