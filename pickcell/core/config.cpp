@@ -196,6 +196,19 @@ std::vector<double> Config::numbers_or(std::string_view key, std::vector<double>
   return has(key) ? numbers(key) : otherwise;
 }
 
+std::vector<std::string> Config::strings_or(std::string_view key, std::vector<std::string> otherwise) {
+  const toml::node* node = PICKCELL_NODE(key);
+  if (!node) return otherwise;
+  const toml::array* array = node->as_array();
+  if (!array || !array->is_homogeneous<std::string>()) {
+    problem(key, "must be a list of strings");
+    return otherwise;
+  }
+  std::vector<std::string> out;
+  for (const toml::node& item : *array) out.push_back(*item.value<std::string>());
+  return out;
+}
+
 std::vector<std::vector<double>> Config::matrix(std::string_view key) {
   const toml::node* node = PICKCELL_NODE(key);
   const toml::array* rows = node ? node->as_array() : nullptr;

@@ -36,6 +36,7 @@ class Config {
   std::string string_or(std::string_view key, std::string otherwise);
   bool boolean_or(std::string_view key, bool otherwise);
   std::vector<double> numbers_or(std::string_view key, std::vector<double> otherwise);
+  std::vector<std::string> strings_or(std::string_view key, std::vector<std::string> otherwise);
 
   /// A sub-table; empty when missing (required values in it are then missing too).
   Config table(std::string_view key);

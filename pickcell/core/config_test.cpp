@@ -62,5 +62,14 @@ TEST(Config, TextGivesValuesOfFreeKeysInWords) {
   EXPECT_FALSE(config->finish());
 }
 
+TEST(Config, ListsOfStrings) {
+  auto config = Config::parse("kinds = [\"gear\", \"label\"]\nmixed = [\"gear\", 1]\n", "t.toml");
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->strings_or("kinds", {}), (std::vector<std::string>{"gear", "label"}));
+  EXPECT_EQ(config->strings_or("missing", {"x"}), std::vector<std::string>{"x"});
+  EXPECT_FALSE(config->strings_or("mixed", {}).size());
+  EXPECT_EQ(config->finish().error().why, "'mixed' must be a list of strings");
+}
+
 }  // namespace
 }  // namespace pickcell::core
