@@ -34,11 +34,10 @@ Or<void> Arm::reset(bool person_looked) {
     if (state && state->hold_command)
       if (auto released = robot_.hold(false); !released) return lost(released.error(), "taking back the hold");
   }
-  if (person_looked && robot_.connected()) {
+  auto connected = connect();
+  if (!connected && !(person_looked && connected.error().person_must_look)) return connected;
+  if (person_looked)
     if (auto confirmed = robot_.confirm(seat_); !confirmed) return lost(confirmed.error(), "going on after a look");
-  } else if (auto connected = connect(); !connected) {
-    return connected;
-  }
   const auto state = poll(Need::ready);
   if (!state) return tl::unexpected(state.error());
   return {};

@@ -27,7 +27,7 @@ class Arm {
 
   /// Connects, raises the fence, settles what was open.
   [[nodiscard]] Or<void> connect();
-  /// What Reset does: clears alarm and hold, then reconnects, or passes on that a person has looked.
+  /// What Reset does: clears alarm and hold, reconnects, passes on that a person has looked at arm and gripper.
   [[nodiscard]] Or<void> reset(bool person_looked);
   /// Servo on, job running, fence acknowledged.
   [[nodiscard]] Or<void> start();

@@ -39,6 +39,7 @@ CellSettings settings_from(const CellConfig& config, const std::vector<matches::
   out.robot_link = config.robot.link;
   out.allow_motion = config.robot.allow_motion;
   out.feed = config.feed;
+  out.exchange_full_trays = config.exchange_full_trays;
   out.stop_after_refused = config.stop_after_refused;
   out.attempts_per_part = config.attempts_per_part;
   out.pick_timeout_s = config.pick_timeout_s;
@@ -143,7 +144,6 @@ void Cell::live() {
 }
 
 Or<void> Cell::stand_by() {
-  const RobotView before = arm_.view();
   const auto state = arm_.poll(Arm::Need::nothing);
   if (!state) return tl::unexpected(state.error());
   publish();
@@ -167,9 +167,11 @@ void Cell::do_reset() {
 void Cell::enter(const Halt& halt) {
   reason_ = halt.why;
   remedy_ = halt.remedy;
-  person_must_look_ = halt.person_must_look;
   queue_.clear();
   const bool wrong = halt.next == Mode::fault;
+  person_must_look_ = halt.person_must_look || (wrong && ledger_.open());
+  if (wrong && ledger_.open())
+    remedy_ += ". A pick was under way: look at the arm and take a part out of its gripper before Reset";
   if (wrong)
     arm_.alarms().raise(halt.code, 1, "The cell stopped: " + halt.why, halt.why, {halt.remedy}, clock_.unix_us());
   core::log(wrong ? core::LogLevel::error : core::LogLevel::info, "cell",

@@ -42,6 +42,7 @@ struct CellSettings {
   FeedConfig feed;
   bool allow_motion = false;
   bool simulated = false;
+  bool exchange_full_trays = false;
   int stop_after_refused = 5;
   int attempts_per_part = 2;
   double pick_timeout_s = 30;
@@ -77,6 +78,7 @@ class Cell final : public CellPort {
   int on_change(std::function<void()> listener) override { return desk_.listen(std::move(listener)); }
   void remove_listener(int handle) override { desk_.remove(handle); }
 
+  [[nodiscard]] const CellSettings& settings() const { return settings_; }
   /// After close(): the figures of the report.
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
 

@@ -199,6 +199,11 @@ Or<void> Cell::judge(const robot::Outcome& outcome) {
 }
 
 Or<void> Cell::feed() {
+  if (!full_tray_.empty() && settings_.exchange_full_trays) {
+    ledger_.tray().empty_full_ones();
+    full_tray_.clear();
+    return {};
+  }
   if (!full_tray_.empty())
     return stand("TRAY_FULL", "the tray of " + full_tray_ + " is full", "put an empty tray there, then press Start");
   if (settings_.feed.empty_pitches_max > 0 && ++empty_in_row_ > settings_.feed.empty_pitches_max)

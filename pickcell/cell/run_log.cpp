@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
+#include "pickcell/core/date.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/core/units.hpp"
@@ -37,20 +37,11 @@ CREATE TABLE pick (
 CREATE TABLE event (unix_us INTEGER NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL) STRICT;
 )";
 
-std::string utc(std::int64_t unix_us, const char* format) {
-  const std::time_t t = static_cast<std::time_t>(unix_us / 1'000'000);
-  std::tm parts{};
-  gmtime_r(&t, &parts);
-  char buffer[40];
-  std::strftime(buffer, sizeof buffer, format, &parts);
-  return buffer;
-}
-
 /// A TOML basic string: JSON's escapes are all valid TOML ones.
 std::string quoted(const std::string& text) { return core::Json(text).dump(); }
 
 std::string run_toml(const RunInfo& info) {
-  return "started = " + quoted(utc(info.start_unix_us, "%Y-%m-%dT%H:%M:%SZ")) + "\ncell = " + quoted(info.cell_name) +
+  return "started = " + quoted(core::iso_utc(info.start_unix_us)) + "\ncell = " + quoted(info.cell_name) +
          "\ncell_file = " + quoted(info.cell_file.string()) + "\ncamera_id = " + quoted(info.camera_id) +
          "\nrobot_link = " + quoted(info.robot_link) + "\nengine = " + quoted(info.engine) +
          "\nsimulated = " + (info.simulated ? "true" : "false") + "\n";
@@ -101,7 +92,7 @@ SqlRow detection_row(const ShownFrame& shown, const Detection& d, const matches:
 }  // namespace
 
 core::Result<RunLog> RunLog::create(const fs::path& runs_dir, const RunInfo& info, bool record_frames) {
-  auto folder = new_folder(runs_dir, utc(info.start_unix_us, "%Y%m%d-%H%M%S"));
+  auto folder = new_folder(runs_dir, core::utc(info.start_unix_us, "%Y%m%d-%H%M%S"));
   if (!folder) return core::forward(folder);
   std::error_code problem;
   fs::create_directory(*folder / "frames", problem);

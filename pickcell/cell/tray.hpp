@@ -22,7 +22,7 @@ class Tray {
   [[nodiscard]] bool full(std::size_t kind) const {
     return taken_.at(kind).size() >= static_cast<std::size_t>(sizes_.at(kind));
   }
-  /// The person who starts the cell again has put empty trays where full ones stood.
+  /// Empty trays stand where full ones stood: whoever starts the cell again has put them there.
   void empty_full_ones() {
     for (std::size_t kind = 0; kind < sizes_.size(); ++kind)
       if (full(kind)) taken_[kind].clear();
