@@ -1,0 +1,231 @@
+// pickcell match: find taught parts in pictures.
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <ostream>
+
+#include "pickcell/cli/match_output.hpp"
+#include "pickcell/cli/model_input.hpp"
+#include "pickcell/cli/subcommand.hpp"
+#include "pickcell/cli/values.hpp"
+#include "pickcell/image/codec.hpp"
+#include "pickcell/image/pyramid.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/limits.hpp"
+#include "pickcell/matches/overlay.hpp"
+
+namespace pickcell::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string model, engine = "best", mask, angle, scale, min_score, roi, budget_ms, threads = "all", params, overlay;
+  std::vector<std::string> images, more_models, sets;
+  int max = 1;
+  double max_overlap = 0.3;
+  bool explain = false, json = false;
+};
+
+core::Result<double> one_number(const std::string& option, const std::string& text, double lo, double hi) {
+  const auto numbers = parse_numbers(option, text);
+  if (!numbers) return tl::unexpected(numbers.error());
+  if (numbers->size() == 1 && (*numbers)[0] >= lo && (*numbers)[0] <= hi) return (*numbers)[0];
+  return core::failure(core::ErrorCode::usage, option, "'" + text + "' is out of range",
+                       "use a number from " + core::Json(lo).dump() + " to " + core::Json(hi).dump());
+}
+
+core::Result<int> thread_count(const std::string& text) {
+  if (text == "all") return 0;
+  const auto n = one_number("--threads", text, 1, 1024);
+  if (!n || *n != static_cast<int>(*n))
+    return core::failure(core::ErrorCode::usage, "--threads", "'" + text + "' is not a number of threads",
+                         "use 1, 2, ... or all");
+  return static_cast<int>(*n);
+}
+
+core::Status read_ranges(const Options& options, matches::SearchOptions& search) {
+  if (!options.angle.empty()) {
+    auto angle = parse_range("--angle", options.angle);
+    if (!angle) return core::forward(angle);
+    if (auto fine = matches::check_angle_range("--angle", *angle); !fine) return fine;
+    search.angle_deg = *angle;
+  }
+  if (!options.scale.empty()) {
+    auto scale = parse_range("--scale", options.scale);
+    if (!scale) return core::forward(scale);
+    if (auto fine = matches::check_scale_range("--scale", *scale); !fine) return fine;
+    search.scale = *scale;
+  }
+  return {};
+}
+
+core::Result<matches::SearchOptions> search_options(const Options& options) {
+  matches::SearchOptions search;
+  search.max_matches = options.max;
+  search.max_overlap = options.max_overlap;
+  search.explain = options.explain;
+  if (auto fine = read_ranges(options, search); !fine) return core::forward(fine);
+  auto threads = thread_count(options.threads);
+  if (!threads) return core::forward(threads);
+  search.threads = *threads;
+  if (!options.min_score.empty()) {
+    auto score = one_number("--min-score", options.min_score, 0, 1);
+    if (!score) return core::forward(score);
+    search.min_score = *score;
+  }
+  if (!options.budget_ms.empty()) {
+    auto budget = one_number("--budget-ms", options.budget_ms, 0.001, 1e7);
+    if (!budget) return core::forward(budget);
+    search.budget_ms = *budget;
+  }
+  if (!options.roi.empty()) {
+    auto roi = parse_roi("--roi", options.roi);
+    if (!roi) return core::forward(roi);
+    search.roi = *roi;
+  }
+  return search;
+}
+
+core::Result<std::vector<matches::Model>> load_models(const Options& options, const matches::SearchOptions& search) {
+  BareTemplate how;
+  how.angle_deg = search.angle_deg.value_or(how.angle_deg);
+  how.scale = search.scale.value_or(how.scale);
+  std::vector<matches::Model> models;
+  BareTemplate masked = how;
+  masked.mask_file = options.mask;
+  auto first = load_model_or_template(options.model, masked);
+  if (!first) return core::forward(first);
+  models.push_back(std::move(*first));
+  for (const std::string& file : options.more_models) {
+    auto model = load_model_or_template(file, how);
+    if (!model) return core::forward(model);
+    models.push_back(std::move(*model));
+  }
+  return models;
+}
+
+/// One run of the command over its pictures.
+class Run {
+ public:
+  Run(const Options& options, Io& io, std::unique_ptr<matches::Engine> engine, matches::SearchOptions search,
+      std::vector<matches::Model> models)
+      : options_(options), io_(io), engine_(std::move(engine)), search_(std::move(search)), models_(std::move(models)) {
+    for (const matches::Model& model : models_) pointers_.push_back(&model);
+  }
+
+  /// A picture that cannot be read or searched is reported, the others are still done; then 2.
+  core::Result<int> all() {
+    int code = 0;
+    for (const std::string& image : options_.images) {
+      const auto found = one(image);
+      if (!found && options_.images.size() == 1) return tl::unexpected(found.error());
+      if (!found) io_.err << "pickcell: " << found.error().line() << "\n";
+      code = std::max(code, found ? (*found > 0 ? 0 : 1) : core::exit_code(found.error().code));
+    }
+    return code;
+  }
+
+ private:
+  core::Result<std::size_t> one(const std::string& file) {
+    const auto picture = image::load_grey(file);
+    if (!picture) return tl::unexpected(picture.error());
+    const auto start = std::chrono::steady_clock::now();
+    pyramid_.build(picture->view());
+    auto found = engine_->find(pyramid_, pointers_, search_);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (!found) {
+      found.error().what = file + ": " + found.error().what;
+      return core::forward(found);
+    }
+    const MatchedPicture matched{file, picture->width(), picture->height(), engine_->name(), ms, *found};
+    if (options_.json)
+      io_.out << to_json(matched, options_.explain).dump() << "\n" << std::flush;
+    else
+      print_words(matched, options_.explain, io_.out);
+    if (auto drawn = draw(file, picture->view(), *found); !drawn) return core::forward(drawn);
+    return found->matches.size();
+  }
+
+  core::Status draw(const std::string& file, image::ImageView picture, const matches::FindResult& found) {
+    if (options_.overlay.empty()) return {};
+    fs::path out = options_.overlay;
+    if (is_folder(options_)) {
+      std::error_code ignored;  // a folder that cannot be made shows when the file is written
+      fs::create_directories(out, ignored);
+      out /= fs::path(file).filename().string() + ".png";
+    }
+    return image::save_png(out, matches::draw_overlay(picture, found, pointers_));
+  }
+
+ public:
+  /// A folder: it is one already, ends in a slash, or has no picture's name.
+  static bool is_folder(const Options& options) {
+    return fs::is_directory(options.overlay) || options.overlay.ends_with('/') ||
+           fs::path(options.overlay).extension() != ".png";
+  }
+
+ private:
+  const Options& options_;
+  Io& io_;
+  std::unique_ptr<matches::Engine> engine_;
+  matches::SearchOptions search_;
+  std::vector<matches::Model> models_;
+  std::vector<const matches::Model*> pointers_;
+  image::Pyramid pyramid_;
+};
+
+core::Status check_overlay(const Options& options) {
+  if (options.overlay.empty() || options.images.size() == 1 || Run::is_folder(options)) return {};
+  return core::failure(core::ErrorCode::usage, "--overlay",
+                       "one file for " + std::to_string(options.images.size()) + " pictures", "name a folder");
+}
+
+core::Result<int> run(const Options& options, Io& io) {
+  auto search = search_options(options);
+  if (!search) return core::forward(search);
+  if (auto fine = check_overlay(options); !fine) return core::forward(fine);
+  const auto settings = parse_settings(options.sets, options.params);
+  if (!settings) return tl::unexpected(settings.error());
+  auto engine = matches::make_engine(options.engine, *settings);
+  if (!engine) return core::forward(engine);
+  auto models = load_models(options, *search);
+  if (!models) return core::forward(models);
+  return Run(options, io, std::move(*engine), std::move(*search), std::move(*models)).all();
+}
+
+Runner add(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  app.add_option("MODEL", o->model, "a PART.pcm, or a bare picture of the part")->required();
+  app.add_option("IMAGE", o->images, "pictures to search")->required();
+  app.add_option("-m,--model", o->more_models, "one more model; may be given several times")->allow_extra_args(false);
+  app.add_option("--engine", o->engine, "best, rst or erst")->capture_default_str();
+  app.add_option("--mask", o->mask, "mask of a bare picture: 128 and brighter is part")->type_name("FILE");
+  app.add_option("--angle", o->angle, "angles to search, degrees (default: the model's)")->type_name("lo,hi");
+  app.add_option("--scale", o->scale, "sizes to search (default: the model's)")->type_name("lo,hi");
+  app.add_option("--max", o->max, "most matches in a picture")->capture_default_str()->check(CLI::Range(1, 200));
+  app.add_option("--min-score", o->min_score, "threshold 0..1 (default: the model's)");
+  app.add_option("--roi", o->roi, "search centres in this part of the picture")->type_name("x,y,w,h");
+  app.add_option("--max-overlap", o->max_overlap, "of two matches' rectangles")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--budget-ms", o->budget_ms, "time after which what was found so far is reported");
+  app.add_option("--threads", o->threads, "number of threads, or all")->capture_default_str();
+  app.add_option("--set", o->sets, "engine setting; may be given several times")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--params", o->params, "engine settings from a TOML file")->type_name("FILE.toml");
+  app.add_option("--overlay", o->overlay, "draw what was found")->type_name("OUT.png|DIR");
+  app.add_flag("--explain", o->explain, "also report what was turned down, and why");
+  app.add_flag("--json", o->json, "one JSON object per picture");
+  return [o](Io& io) { return run(*o, io); };
+}
+
+const Registration registered({"match", "find taught parts in pictures", add});
+
+}  // namespace
+
+}  // namespace pickcell::cli
