@@ -14,7 +14,7 @@ namespace {
 // Values of Register::command and Register::result.
 constexpr std::int32_t kPickReady = 1, kTaken = 2, kDone = 3, kRefused = 9;
 constexpr std::int32_t kMaxEpoch = std::numeric_limits<std::int16_t>::max();
-constexpr std::int32_t kMaxSequence = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t kPicksPerEpoch = HandOver::kPicksPerEpoch;
 
 Outcome outcome_of(const HandOverStep& record_end) {
   return {record_end.outcome, record_end.value, record_end.result, outcome_text(record_end.outcome, record_end.result)};
@@ -76,7 +76,14 @@ void HandOver::submit(std::int32_t part_class) {
 void HandOver::fence() {
   if (next()) throw std::logic_error("hand-over: a procedure is under way");
   problem_.clear();
-  if (phase_ == HandOverPhase::running || phase_ == HandOverPhase::ready) raise_fence();
+  if (phase_ == HandOverPhase::ready) raise_fence();
+  if (phase_ == HandOverPhase::running) read_outcome();
+}
+
+void HandOver::read_outcome() {
+  read({Register::done, Register::result, Register::command, Register::reason, Register::accepted,
+        Register::held_epoch});
+  then_ = Then::outcome_looked;
 }
 
 void HandOver::confirm() {
@@ -114,9 +121,7 @@ void HandOver::decide() {
       return decide_read_back();
     case Then::command_looked:
       if (known(Register::command) == kPickReady || known(Register::command) == kTaken) return;
-      read({Register::done, Register::result, Register::reason, Register::accepted, Register::held_epoch});
-      then_ = Then::outcome_looked;
-      return;
+      return read_outcome();
     case Then::outcome_looked:
       return decide_outcome();
   }
@@ -142,12 +147,14 @@ void HandOver::decide_connected() {
 }
 
 void HandOver::raise_fence() {
-  if (epoch_ >= kMaxEpoch) {
+  // Every number of an epoch is above epoch * kPicksPerEpoch, so the job can tell that an older one is void.
+  const std::int32_t next_epoch = std::max(epoch_ + 1, last_sequence_ / kPicksPerEpoch + 1);
+  if (next_epoch > kMaxEpoch) {
     lost();
     problem_ = "the epoch counter of the controller is used up";
     return;
   }
-  ++epoch_;
+  epoch_ = next_epoch;
   phase_ = HandOverPhase::fencing;
   queue_.push_back({.kind = Kind::record_epoch, .value = last_sequence_, .epoch = epoch_});
   write(Register::epoch, epoch_);
@@ -183,11 +190,7 @@ void HandOver::decide_submit() {
     problem_ = "the controller still shows another command";
     return raise_fence();
   }
-  if (last_sequence_ == kMaxSequence) {
-    problem_ = "the sequence numbers of the controller are used up";
-    return;
-  }
-  const std::int32_t n = ++last_sequence_;
+  const std::int32_t n = last_sequence_ = std::max(last_sequence_, epoch_ * kPicksPerEpoch) + 1;
   open_.push_back(n);
   phase_ = HandOverPhase::submitting;
   queue_.push_back({.kind = Kind::record_intent, .value = n, .epoch = epoch_});
@@ -215,12 +218,14 @@ void HandOver::decide_read_back() {
 
 void HandOver::decide_outcome() {
   settle_finished();
-  if (open_.empty()) {
+  if (open_.empty() && last_sequence_ % kPicksPerEpoch != kPicksPerEpoch - 1) {
     phase_ = HandOverPhase::ready;
   } else if (waits_for_a_person() && known(Register::held_epoch) >= epoch_) {
     phase_ = HandOverPhase::held;  // the controller was restarted; raising the fence now would let the job go on
   } else {
-    raise_fence();  // the job dropped the command; only behind the fence is it certain that it stays dropped
+    // The job dropped the command: only behind the fence is it certain that it stays dropped. Or the numbers of this
+    // epoch are used up.
+    raise_fence();
   }
 }
 

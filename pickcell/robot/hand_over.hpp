@@ -56,6 +56,11 @@ struct HandOverStep {
 /// next() and done() until next() is null, then see phase(). A step that failed ends everything: lost().
 class HandOver {
  public:
+  /// Numbers of epoch e are e * kPicksPerEpoch + 1 and up: pick 50001 is the first of epoch 5. The job takes no number
+  /// of an earlier epoch, so that a void command stays void even when its writes arrive again among those of a later
+  /// one.
+  static constexpr std::int32_t kPicksPerEpoch = 10000;
+
   /// What the journal knows.
   struct Past {
     std::int32_t last_epoch = 0;
@@ -69,7 +74,8 @@ class HandOver {
   void look();
   /// Hands over one pick; phase must be ready (throws). After the steps: running, or problem() says why not.
   void submit(std::int32_t part_class);
-  /// ready, running: raises the fence; look() then settles what is open. Other phases: nothing.
+  /// ready, running: raises the fence, unless the outcome is there already or the job waits for a person; look() then
+  /// settles what is open. Other phases: nothing.
   void fence();
   /// A person has looked. journal_missing: goes on with the controller's numbers. held: an open pick becomes unknown,
   /// and the job goes on. fencing with an interrupted pick: the same, as soon as the job says that it is held.
@@ -97,6 +103,7 @@ class HandOver {
 
   void read(std::initializer_list<Register> registers);
   void write(Register which, std::int32_t value);
+  void read_outcome();
   void decide();
   void decide_connected();
   void decide_fence();

@@ -121,8 +121,8 @@ TEST(HandOver, WritesTheIntentFirstTheCopyNextAndTheCommandLast) {
   machine.submit(4);
   bench.run(machine);
   EXPECT_EQ(machine.phase(), HandOverPhase::running);
-  EXPECT_THAT(bench.done, ElementsAre("intent 1", "copy=1", "poses", "class=4", "command_epoch=1", "sequence=1",
-                                      "verify", "command=1", "sent 1"));
+  EXPECT_THAT(bench.done, ElementsAre("intent 10001", "copy=10001", "poses", "class=4", "command_epoch=1",
+                                      "sequence=10001", "verify", "command=1", "sent 10001"));
 }
 
 TEST(HandOver, NeverWritesWhileACommandIsThere) {
@@ -176,7 +176,7 @@ TEST(HandOver, ReportsWhatTheJobReports) {
     const auto settled = machine.take_settled();
     ASSERT_EQ(settled.size(), 1u);
     EXPECT_EQ(settled.front().kind, kind);
-    EXPECT_EQ(settled.front().sequence, 1);
+    EXPECT_EQ(settled.front().sequence, 10001);
     EXPECT_NE(settled.front().text, "");
   }
 }
@@ -198,7 +198,7 @@ TEST(HandOver, ADroppedCommandIsSettledOnlyBehindTheFence) {
   EXPECT_EQ(machine.take_settled().front().kind, OutcomeKind::not_started);
   machine.submit(0);  // and its number is not used again
   bench.run(machine);
-  EXPECT_EQ(machine.last_sequence(), 2);
+  EXPECT_EQ(machine.last_sequence(), 20001);
 }
 
 TEST(HandOver, RecoversTheOpenIntentByTheTableOfTheSpecification) {
@@ -233,14 +233,38 @@ TEST(HandOver, RecoversTheOpenIntentByTheTableOfTheSpecification) {
   }
 }
 
-TEST(HandOver, NumbersGoOnFromWhateverIsHighest) {
+TEST(HandOver, NumbersAndEpochsGoOnAboveWhateverIsHighest) {
   Bench bench;
   bench.registers[Register::accepted] = bench.registers[Register::done] = 20;
-  bench.registers[Register::sequence] = 23;
-  HandOver machine = ready(bench, {.last_epoch = 2, .last_sequence = 21, .open = {}});
+  bench.registers[Register::sequence] = 70023;  // a command of epoch 7 that a lost journal knew of
+  HandOver machine = ready(bench, {.last_epoch = 2, .last_sequence = 20007, .open = {}});
+  EXPECT_EQ(machine.epoch(), 8);
   machine.submit(0);
   bench.run(machine);
-  EXPECT_EQ(machine.last_sequence(), 24);
+  EXPECT_EQ(machine.last_sequence(), 80001);
+}
+
+TEST(HandOver, AfterTheLastNumberOfAnEpochComesTheNextEpoch) {
+  Bench bench;
+  HandOver machine = ready(bench);
+  for (int i = 1; i < HandOver::kPicksPerEpoch; ++i) {
+    ASSERT_EQ(machine.phase(), HandOverPhase::ready);
+    machine.submit(0);
+    bench.run(machine);
+    ASSERT_EQ(machine.last_sequence(), 10000 + i);
+    bench.accept();
+    bench.finish(3);
+    machine.look();
+    bench.run(machine);
+  }
+  EXPECT_EQ(machine.phase(), HandOverPhase::fencing);
+  bench.acknowledge();
+  machine.look();
+  bench.run(machine);
+  machine.submit(0);
+  bench.run(machine);
+  EXPECT_EQ(machine.last_sequence(), 20001);
+  EXPECT_EQ(bench.registers[Register::command_epoch], 2);
 }
 
 TEST(HandOver, AJournalThatDoesNotKnowTheControllersPastNeedsAPerson) {
@@ -273,7 +297,7 @@ TEST(HandOver, AnInterruptedPickWaitsForAPerson) {
   bench.done.clear();
   machine.confirm();
   bench.run(machine);
-  EXPECT_THAT(bench.done, ElementsAre("end 1 unknown", "epoch 2 after 1", "epoch=2"));
+  EXPECT_THAT(bench.done, ElementsAre("end 10001 unknown", "epoch 2 after 10001", "epoch=2"));
   EXPECT_EQ(machine.take_settled().front().kind, OutcomeKind::unknown);
   machine.look();
   bench.run(machine);
@@ -304,7 +328,8 @@ TEST(HandOver, APersonMayLookBeforeTheJobIsStartedAgain) {
   machine.submit(0);
   bench.run(machine);
   bench.accept();
-  machine.connect({.last_epoch = 1, .last_sequence = 1, .open = {1}});  // the controller is back, the job stands
+  machine.connect(
+      {.last_epoch = 1, .last_sequence = 10001, .open = {10001}});  // the controller is back, the job stands
   bench.run(machine);
   machine.confirm();
   bench.run(machine);
@@ -313,7 +338,7 @@ TEST(HandOver, APersonMayLookBeforeTheJobIsStartedAgain) {
   bench.done.clear();
   machine.look();
   bench.run(machine);
-  EXPECT_THAT(bench.done, ElementsAre("end 1 unknown", "epoch 3 after 1", "epoch=3"));
+  EXPECT_THAT(bench.done, ElementsAre("end 10001 unknown", "epoch 3 after 10001", "epoch=3"));
 }
 
 TEST(HandOver, ALateOldEpochIsRaisedAgain) {

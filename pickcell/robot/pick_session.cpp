@@ -177,7 +177,7 @@ core::Result<std::optional<Outcome>> PickSession::outcome() {
     return core::failure(ErrorCode::link, "hand-over", "the link was lost", "connect again");
   hand_over_.look();
   if (auto driven = drive(); !driven) return core::forward(driven);
-  if (settled_.empty()) return std::nullopt;
+  if (settled_.empty() || phase() != HandOverPhase::ready) return std::nullopt;
   Outcome last = settled_.back();
   settled_.pop_back();
   return last;

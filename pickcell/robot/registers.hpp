@@ -19,7 +19,7 @@ enum class Register {
   epoch_ack,        ///< I012  job: the fence as acknowledged by its waiting loop
   command_epoch,    ///< I013  PC: epoch of this command
   held_epoch,       ///< I014  job: EPOCH when it began to wait for a person; a higher one lets it go on
-  sequence,         ///< D010  PC: number of this pick, never used twice
+  sequence,         ///< D010  PC: number of this pick, never used twice; above 10000 * epoch
   done,             ///< D011  job: sequence last finished
   accepted,         ///< D012  job: sequence last accepted, set before any motion
   sequence_copy,    ///< D013  PC: written first; the job takes nothing while it differs from `sequence`
