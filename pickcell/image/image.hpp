@@ -36,7 +36,8 @@ class View {
 using ImageView = View<std::uint8_t>;
 
 /// A picture that owns its pixels. Rows start at 64-byte boundaries and are padded to whole 64-byte blocks, so kernels
-/// may read past the last pixel of a row; padding is zero at construction. resize() keeps the memory when it suffices.
+/// may read up to 64 bytes past the last pixel of any row, the last one included; padding is zero at construction. resize()
+/// keeps the memory when it suffices.
 template <class T>
 class Plane {
  public:
@@ -66,7 +67,7 @@ class Plane {
   void resize(int width, int height) {
     constexpr std::ptrdiff_t kBlock = 64 / sizeof(T);
     const std::ptrdiff_t stride = (width + kBlock - 1) / kBlock * kBlock;
-    const std::size_t need = static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) * sizeof(T);
+    const std::size_t need = static_cast<std::size_t>(stride) * static_cast<std::size_t>(height) * sizeof(T) + 64;
     if (need > capacity_) {
       ::operator delete(std::exchange(data_, nullptr), std::align_val_t{64});
       capacity_ = 0;

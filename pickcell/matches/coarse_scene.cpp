@@ -31,30 +31,28 @@ std::vector<Cell> cells(int source, double ratio, int n) {
   return out;
 }
 
-/// Rows of one quantity, one after the other: c2, s2, energy.
-struct Triple {
+/// Rows of c2, s2 and energy.
+struct Sums {
+  std::size_t stride;
   std::vector<float> values;
-  explicit Triple(int n) : values(3 * static_cast<std::size_t>(n)) {}
-  float* part(int q) { return values.data() + static_cast<std::size_t>(q) * (values.size() / 3); }
+  explicit Sums(int n) : stride(static_cast<std::size_t>(n) + kTensorSlack), values(3 * stride) {}
+  [[nodiscard]] float* part(std::size_t q) { return values.data() + q * stride; }
+  [[nodiscard]] TensorRow row() { return {part(0), part(1), part(2)}; }
 };
 
-void pool_row(const float* source, const std::vector<Cell>& columns, float* out) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Cell& c = columns[i];
-    float v = source[c.first] * c.first_share + source[c.last] * c.last_share;
-    for (int x = c.first + 1; x < c.last; ++x) v += source[x];
-    out[i] = v;
-  }
+float pooled(const float* source, const Cell& c) {
+  float v = source[c.first] * c.first_share + source[c.last] * c.last_share;
+  for (int x = c.first + 1; x < c.last; ++x) v += source[x];
+  return v;
 }
 
-void store_row(Triple& sums, int n, float per_area, std::int16_t* out) {
-  const float* c2 = sums.part(0);
-  const float* s2 = sums.part(1);
-  const float* energy = sums.part(2);
-  for (int i = 0; i < n; ++i) {
-    const float k = 127.f * per_area / (energy[i] * per_area + kEdgeGrey * kEdgeGrey);
-    out[2 * i] = static_cast<std::int16_t>(std::lrintf(k * c2[i]));
-    out[2 * i + 1] = static_cast<std::int16_t>(std::lrintf(k * s2[i]));
+/// sums: over the cells' rows, per source pixel.
+void store_row(Sums& sums, const std::vector<Cell>& columns, float per_area, std::int16_t* out) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Cell& c = columns[i];
+    const float k = 127.f * per_area / (pooled(sums.part(2), c) * per_area + kEdgeGrey * kEdgeGrey);
+    out[2 * i] = static_cast<std::int16_t>(std::lrintf(k * pooled(sums.part(0), c)));
+    out[2 * i + 1] = static_cast<std::int16_t>(std::lrintf(k * pooled(sums.part(1), c)));
   }
 }
 
@@ -76,23 +74,13 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
 
   const std::vector<Cell> columns = cells(source.width(), ratio, out.width);
   const std::vector<Cell> rows = cells(source.height(), ratio, out.height);
-  Triple line(source.width());
-  Triple pooled(out.width);
-  Triple sums(out.width);
-  int have = -1;  // the source row that `pooled` holds: the last row of a cell is often the first of the next
+  Sums sums(source.width());
   for (int y = 0; y < out.height; ++y) {
     const Cell& c = rows[static_cast<std::size_t>(y)];
     std::fill(sums.values.begin(), sums.values.end(), 0.f);
-    for (int v = c.first; v <= c.last; ++v) {
-      if (have != v) {
-        orientation_tensor_row(source, v, {line.part(0), line.part(1), line.part(2)});
-        for (int q = 0; q < 3; ++q) pool_row(line.part(q), columns, pooled.part(q));
-        have = v;
-      }
-      const float share = v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f;
-      for (std::size_t i = 0; i < sums.values.size(); ++i) sums.values[i] += share * pooled.values[i];
-    }
-    store_row(sums, out.width, static_cast<float>(1 / (ratio * ratio)), out.pairs.row(y + margin) + 2 * margin);
+    for (int v = c.first; v <= c.last; ++v)
+      add_tensor_row(source, v, v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f, sums.row());
+    store_row(sums, columns, static_cast<float>(1 / (ratio * ratio)), out.pairs.row(y + margin) + 2 * margin);
   }
 }
 

@@ -23,20 +23,23 @@ struct Sample {
 
 std::vector<Sample> samples_of(const TemplatePyramid& t, int level, int per_side) {
   const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
-  OrientationTensor tensor;
-  orientation_tensor(l.grey.view(), tensor);
   const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutlineDilation_px);
   const double k = std::ldexp(1.0, level);
   std::vector<Sample> out;
-  for (int y = 0; y < wanted.height(); ++y)
+  const std::size_t room = static_cast<std::size_t>(wanted.width()) + kTensorSlack;
+  std::vector<float> c2(room), s2(room), energy(room);
+  for (int y = 0; y < wanted.height(); ++y) {
+    orientation_tensor_row(l.grey.view(), y, {c2.data(), s2.data(), energy.data()});
     for (int x = 0; x < wanted.width(); ++x) {
       if (!wanted.at(x, y)) continue;
+      const auto i0 = static_cast<std::size_t>(x);
       for (int j = 0; j < per_side; ++j)
         for (int i = 0; i < per_side; ++i)
           out.push_back({static_cast<float>((x + (i + 0.5) / per_side) * k - 0.5 - t.anchor_x_px),
-                         static_cast<float>((y + (j + 0.5) / per_side) * k - 0.5 - t.anchor_y_px), tensor.c2.at(x, y),
-                         tensor.s2.at(x, y), tensor.energy.at(x, y)});
+                         static_cast<float>((y + (j + 0.5) / per_side) * k - 0.5 - t.anchor_y_px), c2[i0], s2[i0],
+                         energy[i0]});
     }
+  }
   return out;
 }
 

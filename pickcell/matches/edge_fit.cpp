@@ -123,30 +123,8 @@ std::optional<Movement> solve_robust(ContourScratch& scratch) {
 }  // namespace
 
 double edge_score(const OrientationField& scene, const EdgePoints& e, const LevelMap& m) {
-  const int width = scene.width() / 2;
-  const int height = scene.height();
-  if (width < 2 || height < 2) return 0;
-  const float scale2 = m.a * m.a + m.b * m.b;
-  // exp(-2ia), see orientation_field.hpp.
-  const float ca = (m.a * m.a - m.b * m.b) / scale2;
-  const float sa = 2 * m.a * m.b / scale2;
-  float sum = 0;
-  for (const EdgePoint& p : e.points) {
-    const float x = m.x + m.a * p.x + m.b * p.y;
-    const float y = m.y - m.b * p.x + m.a * p.y;
-    if (!(x >= 0 && y >= 0 && x <= static_cast<float>(width - 1) && y <= static_cast<float>(height - 1))) continue;
-    const int ix = std::min(static_cast<int>(x), width - 2);
-    const int iy = std::min(static_cast<int>(y), height - 2);
-    const float fx = x - static_cast<float>(ix);
-    const float fy = y - static_cast<float>(iy);
-    const std::int8_t* a = scene.row(iy) + 2 * ix;
-    const std::int8_t* b = a + scene.stride();
-    const float w00 = (1 - fx) * (1 - fy), w10 = fx * (1 - fy), w01 = (1 - fx) * fy, w11 = fx * fy;
-    const float c2 = w00 * a[0] + w10 * a[2] + w01 * b[0] + w11 * b[2];
-    const float s2 = w00 * a[1] + w10 * a[3] + w01 * b[1] + w11 * b[3];
-    sum += c2 * (p.c2 * ca + p.s2 * sa) + s2 * (p.s2 * ca - p.c2 * sa);
-  }
-  return static_cast<double>(sum * e.norm / 127.f);
+  if (scene.width() < 4 || scene.height() < 2 || e.count == 0) return 0;
+  return static_cast<double>(sum_edges(scene.view(), e.columns(), m) * e.norm / 127.f);
 }
 
 std::optional<Similarity> fit_contours(image::ImageView image, int level, const std::vector<ContourPoint>& points,

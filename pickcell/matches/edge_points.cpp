@@ -55,6 +55,11 @@ Gradient smooth_gradient(image::ImageView p, int x, int y) {
           (2 * d(x, y + 1, x, y - 1) + d(x - 1, y + 1, x - 1, y - 1) + d(x + 1, y + 1, x + 1, y - 1)) / 8};
 }
 
+struct EdgePoint {
+  float x, y;
+  float c2, s2;
+};
+
 struct Found : ContourPoint {
   float strength;
 };
@@ -105,18 +110,21 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
       const float s2 = static_cast<float>(field.at(2 * x + 1, y)) / 127.f;
       if (std::hypot(c2, s2) >= kLeastField) all.push_back({static_cast<float>(x), static_cast<float>(y), c2, s2});
     }
-  EdgePoints out;
-  out.points = strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
-                                  [](const EdgePoint& p) { return p.c2 * p.c2 + p.s2 * p.s2; });
   const Anchor anchor = anchor_at(t, level);
+  EdgePoints out;
   float sum = 0;
-  for (EdgePoint& p : out.points) {
-    p.x -= anchor.x;
-    p.y -= anchor.y;
+  for (const EdgePoint& p : strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
+                                               [](const EdgePoint& e) { return e.c2 * e.c2 + e.s2 * e.s2; })) {
+    out.x.push_back(p.x - anchor.x);
+    out.y.push_back(p.y - anchor.y);
+    out.c2.push_back(p.c2);
+    out.s2.push_back(p.s2);
     sum += p.c2 * p.c2 + p.s2 * p.s2;
-    out.radius = std::max(out.radius, std::hypot(p.x, p.y));
+    ++out.count;
   }
   out.norm = sum > 0 ? 1 / sum : 0.f;
+  const std::size_t padded = (out.x.size() + kPointBlock - 1) / kPointBlock * kPointBlock;
+  for (auto* column : {&out.x, &out.y, &out.c2, &out.s2}) column->resize(padded, 0.f);
   return out;
 }
 

@@ -3,20 +3,20 @@
 
 #include <vector>
 
+#include "pickcell/matches/point_kernels.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
 
-/// A place where the template's orientation field is strong, relative to the anchor, pixels of the level.
-struct EdgePoint {
-  float x, y;
-  float c2, s2;  ///< field, |(c2, s2)| <= 1
-};
-
+/// Places where the template's orientation field is strong, relative to the anchor, pixels of the level. Columns over
+/// the points, padded with zeros to whole kPointBlocks.
 struct EdgePoints {
-  std::vector<EdgePoint> points;
-  float norm = 0;    ///< 1 / sum |field|^2: the template scores 1 against itself
-  float radius = 0;  ///< of the furthest point
+  std::vector<float> x, y;
+  std::vector<float> c2, s2;  ///< field, |(c2, s2)| <= 1
+  int count = 0;
+  float norm = 0;  ///< 1 / sum |field|^2: the template scores 1 against itself
+
+  [[nodiscard]] EdgeColumns columns() const { return {x.data(), y.data(), c2.data(), s2.data(), count}; }
 };
 
 /// A point on a contour, relative to the anchor, pixels of the level, with the unit normal along the gradient.

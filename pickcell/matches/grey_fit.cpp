@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pickcell/matches/point_kernels.hpp"
 #include "pickcell/matches/sampling.hpp"
 
 namespace pickcell::matches {
@@ -25,43 +26,26 @@ bool all_inside(image::ImageView level, const GreyPoints& p, const LevelMap& m) 
 
 /// Fills scratch.scene, and scratch.weight with 1 inside and 0 outside the picture. Returns the share inside.
 double sample(image::ImageView level, const GreyPoints& p, const LevelMap& m, GreyScratch& scratch) {
-  const std::size_t n = p.qx.size();
-  scratch.scene.resize(n);
-  scratch.weight.resize(n);
-  std::size_t in = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float x = m.x + m.a * p.qx[i] + m.b * p.qy[i];
-    const float y = m.y - m.b * p.qx[i] + m.a * p.qy[i];
-    const bool ok = inside(level, x, y);
-    scratch.scene[i] = ok ? bilinear(level, x, y) : 0.f;
-    scratch.weight[i] = ok ? 1.f : 0.f;
-    in += ok ? 1 : 0;
-  }
-  return static_cast<double>(in) / static_cast<double>(n);
+  scratch.scene.resize(p.qx.size());
+  scratch.weight.resize(p.qx.size());
+  sample_points(level, p.columns(), m, scratch.scene.data(), scratch.weight.data());
+  int in = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) in += scratch.weight[i] > 0 ? 1 : 0;
+  return static_cast<double>(in) / p.size();
 }
 
 /// Everything inside: sums against the centred columns, and the constant inverse.
 GreyFit fit_constant(image::ImageView level, const GreyPoints& p, const LevelMap& m) {
-  const std::size_t n = p.qx.size();
-  double sum = 0;
-  double square = 0;
-  Eigen::Matrix<double, 5, 1> v = Eigen::Matrix<double, 5, 1>::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    const float x = std::clamp(m.x + m.a * p.qx[i] + m.b * p.qy[i], 0.f, static_cast<float>(level.width() - 1));
-    const float y = std::clamp(m.y - m.b * p.qx[i] + m.a * p.qy[i], 0.f, static_cast<float>(level.height() - 1));
-    const double s = bilinear(level, x, y);
-    sum += s;
-    square += s * s;
-    v[0] += s * static_cast<double>(p.t[i]);
-    for (int k = 0; k < 4; ++k) v[k + 1] += s * static_cast<double>(p.j[static_cast<std::size_t>(k)][i]);
-  }
-  const auto count = static_cast<double>(n);
-  const double variance = std::max(0.0, square / count - sum / count * (sum / count));
+  const PointSums sums = sum_points(level, p.columns(), m);
+  const double n = p.size();
+  const double variance = std::max(0.0, sums.ss / n - sums.s / n * (sums.s / n));
   GreyFit fit;
   fit.inside = 1;
   fit.contrast = std::sqrt(variance);
   if (fit.contrast < kLeastContrast) return fit;
-  fit.ncc = v[0] / std::sqrt(variance * count * p.energy);
+  fit.ncc = sums.st / std::sqrt(variance * n * p.energy);
+  Eigen::Matrix<double, 5, 1> v;
+  v << sums.st, sums.sj[0], sums.sj[1], sums.sj[2], sums.sj[3];
   const Eigen::Matrix<double, 5, 1> s = p.inverse * v;
   fit.gain = s[0];
   fit.can_step = fit.gain > kLeastGain;
@@ -72,7 +56,7 @@ GreyFit fit_constant(image::ImageView level, const GreyPoints& p, const LevelMap
 /// Weighted correlation of the samples with t.
 void correlate(const GreyPoints& p, const GreyScratch& scratch, GreyFit& fit) {
   double w = 0, s = 0, ss = 0, t = 0, tt = 0, st = 0;
-  for (std::size_t i = 0; i < p.qx.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
     if (scratch.weight[i] == 0.f) continue;
     const double a = scratch.scene[i];
     const double b = p.t[i];
@@ -99,13 +83,15 @@ struct Solution {
 Matrix6 weighted_normal(const GreyPoints& p, const GreyScratch& scratch, Vector6& right) {
   Matrix6 A = Matrix6::Zero();
   right.setZero();
-  for (std::size_t i = 0; i < p.qx.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
     const double w = scratch.weight[i];
     if (w == 0) continue;
-    Vector6 row;
-    row << 1, p.t[i], p.j[0][i], p.j[1][i], p.j[2][i], p.j[3][i];
-    A.selfadjointView<Eigen::Lower>().rankUpdate(row, w);
-    right += w * static_cast<double>(scratch.scene[i]) * row;
+    const double row[6] = {1, p.t[i], p.j[0][i], p.j[1][i], p.j[2][i], p.j[3][i]};
+    for (int a = 0; a < 6; ++a) {
+      const double wa = w * row[a];
+      for (int b = 0; b <= a; ++b) A(a, b) += wa * row[b];
+      right[a] += wa * static_cast<double>(scratch.scene[i]);
+    }
   }
   A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
   return A;
@@ -133,7 +119,7 @@ void take_step(const Solution& s, GreyFit& fit) {
 float robust_noise(const GreyPoints& p, const GreyScratch& scratch, double offset, double gain,
                    std::vector<float>& absolute) {
   absolute.clear();
-  for (std::size_t i = 0; i < p.qx.size(); ++i)
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i)
     if (scratch.weight[i] > 0)
       absolute.push_back(std::abs(scratch.scene[i] - static_cast<float>(offset) - static_cast<float>(gain) * p.t[i]));
   if (absolute.empty()) return kLeastNoise;
@@ -143,7 +129,7 @@ float robust_noise(const GreyPoints& p, const GreyScratch& scratch, double offse
 }
 
 void tukey(const GreyPoints& p, double offset, double gain, float cut, GreyScratch& scratch) {
-  for (std::size_t i = 0; i < p.qx.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
     if (scratch.weight[i] == 0.f) continue;
     const float r = (scratch.scene[i] - static_cast<float>(offset) - static_cast<float>(gain) * p.t[i]) / cut;
     const float u = 1 - r * r;
@@ -207,7 +193,7 @@ FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const LevelMap
   const auto limit = static_cast<float>(std::max(3.0 * static_cast<double>(noise), 0.5 * contrast));
   std::size_t agree = 0;
   double square = 0;
-  for (std::size_t i = 0; i < p.qx.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
     if (scratch.weight[i] == 0.f) continue;
     const float r = scratch.scene[i] - static_cast<float>(s.x[0]) - static_cast<float>(gain) * p.t[i];
     scratch.weight[i] = std::abs(r) <= limit ? 1.f : 0.f;

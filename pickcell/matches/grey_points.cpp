@@ -121,6 +121,9 @@ GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_point
   take_mean_off(g.t);
   for (auto& column : g.j) take_mean_off(column);
   set_normal_matrix(g);
+  g.count = static_cast<int>(chosen.size());
+  const std::size_t padded = (chosen.size() + kPointBlock - 1) / kPointBlock * kPointBlock;
+  for (auto* column : {&g.qx, &g.qy, &g.t, &g.j[0], &g.j[1], &g.j[2], &g.j[3]}) column->resize(padded, 0.f);
   return g;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "pickcell/matches/point_kernels.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
@@ -22,7 +23,12 @@ struct GreyPoints {
   float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (qx, qy)
   double pixels_per_point = 1;                   ///< how many pixels of the part one point stands for
 
-  [[nodiscard]] int size() const { return static_cast<int>(qx.size()); }
+  int count = 0;  ///< points; the columns are padded with zeros to whole kPointBlocks
+
+  [[nodiscard]] int size() const { return count; }
+  [[nodiscard]] PointColumns columns() const {
+    return {qx.data(), qy.data(), t.data(), {j[0].data(), j[1].data(), j[2].data(), j[3].data()}, count};
+  }
   /// Whether the grey values can tell a place: enough points, some contrast, an invertible normal matrix.
   [[nodiscard]] bool usable() const {
     return size() >= 12 && energy > size() && inverse.allFinite() && inverse(0, 0) > 0;

@@ -1,62 +1,198 @@
 #include "pickcell/matches/orientation_field.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <vector>
 
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pickcell/matches/orientation_field.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace pickcell::matches::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most 16 lanes: the promise of kTensorSlack.
+using DF = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+
+HWY_INLINE VF load_grey(const std::uint8_t* p) {
+  const hn::Rebind<std::uint8_t, DF> du8;
+  return hn::ConvertTo(DF(), hn::PromoteTo(DI(), hn::LoadU(du8, p)));
+}
+
+struct Tensor {
+  VF c2, s2, energy;
+};
+
+HWY_INLINE Tensor tensor_of(VF gx, VF gy) {
+  const VF xx = hn::Mul(gx, gx);
+  const VF yy = hn::Mul(gy, gy);
+  const VF xy = hn::Mul(gx, gy);
+  return {hn::Sub(xx, yy), hn::Add(xy, xy), hn::Add(xx, yy)};
+}
+
+/// Calls put(x, tensor) for x = 0, lanes, 2 lanes ...; the last call may go past the width. left and right are the rows
+/// that x - 1 and x + 1 are read from: the caller gives a copy with its border repeated.
+template <class Put>
+HWY_INLINE void each_tensor(const std::uint8_t* up, const std::uint8_t* padded, const std::uint8_t* down, int width,
+                            Put put) {
+  const VF half = hn::Set(DF(), 0.5f);
+  const int lanes = static_cast<int>(hn::Lanes(DF()));
+  for (int x = 0; x < width; x += lanes) {
+    const VF gx = hn::Mul(half, hn::Sub(load_grey(padded + x + 2), load_grey(padded + x)));
+    const VF gy = hn::Mul(half, hn::Sub(load_grey(down + x), load_grey(up + x)));
+    put(x, tensor_of(gx, gy));
+  }
+}
+
+void tensor_row_impl(const std::uint8_t* up, const std::uint8_t* padded, const std::uint8_t* down, int width,
+                     const TensorRow& out) {
+  const DF d;
+  each_tensor(up, padded, down, width, [&](int x, const Tensor& t) HWY_ATTR {
+    hn::StoreU(t.c2, d, out.c2 + x);
+    hn::StoreU(t.s2, d, out.s2 + x);
+    hn::StoreU(t.energy, d, out.energy + x);
+  });
+}
+
+void add_tensor_row_impl(const std::uint8_t* up, const std::uint8_t* padded, const std::uint8_t* down, int width,
+                         float share, const TensorRow& sums) {
+  const DF d;
+  const VF s = hn::Set(d, share);
+  each_tensor(up, padded, down, width, [&](int x, const Tensor& t) HWY_ATTR {
+    hn::StoreU(hn::MulAdd(s, t.c2, hn::LoadU(d, sums.c2 + x)), d, sums.c2 + x);
+    hn::StoreU(hn::MulAdd(s, t.s2, hn::LoadU(d, sums.s2 + x)), d, sums.s2 + x);
+    hn::StoreU(hn::MulAdd(s, t.energy, hn::LoadU(d, sums.energy + x)), d, sums.energy + x);
+  });
+}
+
+/// in has one value before and one after the row; out = 1-2-1.
+void smooth_row_impl(const float* in, int width, float* out) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  for (int x = 0; x < width; x += lanes) {
+    const VF mid = hn::LoadU(d, in + x);
+    hn::StoreU(hn::Add(hn::Add(hn::LoadU(d, in + x - 1), hn::LoadU(d, in + x + 1)), hn::Add(mid, mid)), d, out + x);
+  }
+}
+
+/// Rows of c2, s2, energy above, here and below, smoothed along x: nine arrays.
+void normalise_row_impl(const float* const* rows, int width, std::int8_t* out) {
+  const DF d;
+  const DI di;
+  const hn::Rebind<std::uint16_t, DF> d16;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const VF full = hn::Set(d, 127.f);
+  const VF floor = hn::Set(d, 16 * kEdgeGrey * kEdgeGrey);
+  const auto low_byte = hn::Set(di, 0xff);
+  const auto column = [&](int q, int x) HWY_ATTR {
+    const VF mid = hn::LoadU(d, rows[3 + q] + x);
+    return hn::Add(hn::Add(hn::LoadU(d, rows[q] + x), hn::LoadU(d, rows[6 + q] + x)), hn::Add(mid, mid));
+  };
+  for (int x = 0; x < width; x += lanes) {
+    const VF k = hn::Div(full, hn::Add(column(2, x), floor));
+    const auto c2 = hn::NearestInt(hn::Mul(k, column(0, x)));
+    const auto s2 = hn::NearestInt(hn::Mul(k, column(1, x)));
+    const auto pair = hn::Or(hn::And(c2, low_byte), hn::ShiftLeft<8>(hn::And(s2, low_byte)));
+    hn::StoreU(hn::DemoteTo(d16, pair), d16, reinterpret_cast<std::uint16_t*>(out + 2 * x));
+  }
+}
+
+}  // namespace pickcell::matches::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace pickcell::matches {
+
+HWY_EXPORT(tensor_row_impl);
+HWY_EXPORT(add_tensor_row_impl);
+HWY_EXPORT(smooth_row_impl);
+HWY_EXPORT(normalise_row_impl);
+
 namespace {
 
-std::int8_t to_byte(float v) { return static_cast<std::int8_t>(std::lrintf(v)); }
+constexpr int kReadAhead = 64;
+
+/// The three rows that a row's differences need.
+struct Neighbours {
+  const std::uint8_t* up;
+  const std::uint8_t* padded;  ///< the row itself with its first and last pixel repeated
+  const std::uint8_t* down;
+};
+
+Neighbours neighbours(image::ImageView picture, int y) {
+  static thread_local std::vector<std::uint8_t> copy;
+  const auto w = static_cast<std::size_t>(picture.width());
+  if (copy.size() < w + kReadAhead) copy.resize(w + kReadAhead);
+  const std::uint8_t* row = picture.row(y);
+  copy[0] = row[0];
+  std::copy(row, row + w, copy.begin() + 1);
+  copy[w + 1] = row[w - 1];
+  return {picture.row(std::max(0, y - 1)), copy.data(), picture.row(std::min(picture.height() - 1, y + 1))};
+}
+
+/// Tensor rows smoothed along x, three at a time.
+class SmoothRows {
+ public:
+  explicit SmoothRows(image::ImageView picture)
+      : picture_(picture), stride_(static_cast<std::size_t>(picture.width()) + 2 + kTensorSlack) {
+    for (auto& a : raw_) a.resize(stride_ + 1);
+    for (auto& slot : smooth_)
+      for (auto& a : slot) a.resize(stride_);
+  }
+  void compute(int y) {
+    const Neighbours n = neighbours(picture_, y);
+    const int w = picture_.width();
+    HWY_DYNAMIC_DISPATCH(tensor_row_impl)
+    (n.up, n.padded, n.down, w, {raw_[0].data() + 1, raw_[1].data() + 1, raw_[2].data() + 1});
+    for (std::size_t q = 0; q < 3; ++q) {
+      raw_[q][0] = raw_[q][1];
+      raw_[q][static_cast<std::size_t>(w) + 1] = raw_[q][static_cast<std::size_t>(w)];
+      HWY_DYNAMIC_DISPATCH(smooth_row_impl)(raw_[q].data() + 1, w, slot(y)[q].data());
+    }
+  }
+  [[nodiscard]] std::array<std::vector<float>, 3>& slot(int y) { return smooth_[static_cast<std::size_t>(y % 3)]; }
+
+ private:
+  image::ImageView picture_;
+  std::size_t stride_;
+  std::array<std::vector<float>, 3> raw_;
+  std::array<std::array<std::vector<float>, 3>, 3> smooth_;
+};
 
 }  // namespace
 
 void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& out) {
-  const int w = picture.width();
-  const int h = picture.height();
-  const std::uint8_t* up = picture.row(std::max(0, y - 1));
-  const std::uint8_t* here = picture.row(y);
-  const std::uint8_t* down = picture.row(std::min(h - 1, y + 1));
-  const auto put = [&](int x, int left, int right) {
-    const float gx = 0.5f * static_cast<float>(here[right] - here[left]);
-    const float gy = 0.5f * static_cast<float>(down[x] - up[x]);
-    out.c2[x] = gx * gx - gy * gy;
-    out.s2[x] = 2 * gx * gy;
-    out.energy[x] = gx * gx + gy * gy;
-  };
-  put(0, 0, std::min(1, w - 1));
-  for (int x = 1; x + 1 < w; ++x) put(x, x - 1, x + 1);
-  if (w > 1) put(w - 1, w - 2, w - 1);
+  const Neighbours n = neighbours(picture, y);
+  HWY_DYNAMIC_DISPATCH(tensor_row_impl)(n.up, n.padded, n.down, picture.width(), out);
 }
 
-void orientation_tensor(image::ImageView picture, OrientationTensor& out) {
-  for (image::Plane<float>* p : {&out.c2, &out.s2, &out.energy}) p->resize(picture.width(), picture.height());
-  for (int y = 0; y < picture.height(); ++y)
-    orientation_tensor_row(picture, y, {out.c2.row(y), out.s2.row(y), out.energy.row(y)});
+void add_tensor_row(image::ImageView picture, int y, float share, const TensorRow& sums) {
+  const Neighbours n = neighbours(picture, y);
+  HWY_DYNAMIC_DISPATCH(add_tensor_row_impl)(n.up, n.padded, n.down, picture.width(), share, sums);
 }
 
 void orientation_field(image::ImageView picture, OrientationField& out) {
-  const int w = picture.width();
   const int h = picture.height();
-  OrientationTensor t;
-  orientation_tensor(picture, t);
-  out.resize(2 * w, h);
-  const auto blur = [&](const image::Plane<float>& p, int x, int y) {
-    const int l = std::max(0, x - 1);
-    const int r = std::min(w - 1, x + 1);
-    const float* a = p.row(std::max(0, y - 1));
-    const float* b = p.row(y);
-    const float* c = p.row(std::min(h - 1, y + 1));
-    return (a[l] + 2 * a[x] + a[r] + 2 * (b[l] + 2 * b[x] + b[r]) + c[l] + 2 * c[x] + c[r]) * (1.f / 16);
-  };
+  out.resize(2 * picture.width(), h);
+  if (picture.empty()) return;
+  SmoothRows rows(picture);
+  rows.compute(0);
+  if (h > 1) rows.compute(1);
   for (int y = 0; y < h; ++y) {
-    std::int8_t* o = out.row(y);
-    for (int x = 0; x < w; ++x) {
-      const float k = 127.f / (blur(t.energy, x, y) + kEdgeGrey * kEdgeGrey);
-      o[2 * x] = to_byte(k * blur(t.c2, x, y));
-      o[2 * x + 1] = to_byte(k * blur(t.s2, x, y));
-    }
+    if (y > 0 && y + 1 < h) rows.compute(y + 1);
+    std::array<const float*, 9> nine{};
+    const int ys[3] = {std::max(0, y - 1), y, std::min(h - 1, y + 1)};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t q = 0; q < 3; ++q) nine[3 * k + q] = rows.slot(ys[k])[q].data();
+    HWY_DYNAMIC_DISPATCH(normalise_row_impl)(nine.data(), picture.width(), out.row(y));
   }
 }
 
 }  // namespace pickcell::matches
+#endif

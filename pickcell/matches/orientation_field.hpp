@@ -10,31 +10,29 @@
 
 namespace pickcell::matches {
 
-/// Gradient energy that counts as an edge of full weight: the field is v / (|g|^2 + kEdgeGrey^2), grey values per
+/// Gradient energy that counts as an edge of half weight: the field is v / (|g|^2 + kEdgeGrey^2), grey values per
 /// pixel.
 constexpr float kEdgeGrey = 8.f;
 
-/// Unnormalised field of a picture by central differences; border pixels take the difference to themselves as zero.
-struct OrientationTensor {
-  image::Plane<float> c2;      ///< gx^2 - gy^2
-  image::Plane<float> s2;      ///< 2 gx gy
-  image::Plane<float> energy;  ///< gx^2 + gy^2
+/// One row of the unnormalised field, by central differences; at the border a pixel's missing neighbour is the pixel
+/// itself.
+struct TensorRow {
+  float* c2;      ///< gx^2 - gy^2
+  float* s2;      ///< 2 gx gy
+  float* energy;  ///< gx^2 + gy^2
 };
+/// Arrays must have room for kTensorSlack values beyond the picture's width. The picture must be a Plane's.
+constexpr int kTensorSlack = 16;
+void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& out);
 
-void orientation_tensor(image::ImageView picture, OrientationTensor& out);
+/// Adds share times the row's values to the arrays.
+void add_tensor_row(image::ImageView picture, int y, float share, const TensorRow& sums);
 
-/// Normalised field, smoothed by 1-2-1 in both directions, as pairs (c2, s2) of bytes: +-127 is +-1. Width of the plane
-/// is twice the picture's.
+/// Normalised field, smoothed by 1-2-1 in both directions, as pairs (c2, s2) of bytes: +-127 is +-1. The plane is twice
+/// as wide as the picture.
 using OrientationField = image::Plane<std::int8_t>;
 
+/// Rounds to nearest; all SIMD targets agree within one unit. The picture must be a Plane's.
 void orientation_field(image::ImageView picture, OrientationField& out);
-
-/// One row of the tensor into arrays of the picture's width.
-struct TensorRow {
-  float* c2;
-  float* s2;
-  float* energy;
-};
-void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& out);
 
 }  // namespace pickcell::matches

@@ -1,0 +1,49 @@
+#pragma once
+/// The inner loops of refinement: pictures read at scattered places, eight points at a time where the machine can.
+/// Pictures and fields must be Planes' (a few bytes past a row may be read). Answers of SIMD targets differ in the last
+/// bits.
+
+#include <cstdint>
+
+#include "pickcell/image/image.hpp"
+#include "pickcell/matches/similarity.hpp"
+
+namespace pickcell::matches {
+
+/// Columns over the points; every array has room up to a multiple of kPointBlock, filled with zeros.
+constexpr int kPointBlock = 16;
+
+struct PointColumns {
+  const float* qx;
+  const float* qy;
+  const float* t;
+  const float* j[4];
+  int count;
+};
+
+/// Sums over the points of s (less 128), its square, and its products with t and j, where s is the picture at W q.
+/// Every point must lie inside the picture (a little outside is read as the border).
+struct PointSums {
+  double s = 0;
+  double ss = 0;
+  double st = 0;
+  double sj[4] = {};
+};
+[[nodiscard]] PointSums sum_points(image::ImageView picture, const PointColumns& points, const LevelMap& map);
+
+/// s of every point, and weight 1 inside the picture, 0 outside (s is then that of the border). Writes whole blocks.
+void sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight);
+
+/// Columns of edge points: place and field.
+struct EdgeColumns {
+  const float* x;
+  const float* y;
+  const float* c2;
+  const float* s2;
+  int count;
+};
+/// Sum over the points inside the picture of the dot product of the scene's field (bytes, +-127) and the point's,
+/// turned by the map's angle.
+[[nodiscard]] float sum_edges(image::View<std::int8_t> field, const EdgeColumns& points, const LevelMap& map);
+
+}  // namespace pickcell::matches
