@@ -17,6 +17,7 @@
 
 #include "pickcell/matches/best_model.hpp"
 #include "pickcell/matches/best_scene.hpp"
+#include "pickcell/matches/coarse_kernel.hpp"
 #include "pickcell/matches/coarse_search.hpp"
 #include "pickcell/matches/engine.hpp"
 #include "pickcell/matches/follow.hpp"
@@ -34,6 +35,7 @@ class BestEngine final : public Engine {
   [[nodiscard]] core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                               const SearchOptions& options) override;
   [[nodiscard]] std::string name() const override { return "best"; }
+  [[nodiscard]] std::string isa() const override { return kernel_target(); }
 
  private:
   struct Pass {

@@ -1,6 +1,7 @@
 #include "pickcell/matches/coarse_kernel.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 
 // clang-format off
@@ -91,6 +92,8 @@ void best_of_four_impl(const std::int16_t* pairs, const FourTemplates& t, int n,
 
 #endif
 
+std::int64_t target_impl() { return HWY_TARGET; }
+
 }  // namespace pickcell::matches::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -98,6 +101,13 @@ HWY_AFTER_NAMESPACE();
 namespace pickcell::matches {
 
 HWY_EXPORT(best_of_four_impl);
+HWY_EXPORT(target_impl);
+
+std::string kernel_target() {
+  std::string name = hwy::TargetName(HWY_DYNAMIC_DISPATCH(target_impl)());
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
 
 void best_of_four(const std::int16_t* pairs, const FourTemplates& templates, int n, float* score) {
   HWY_DYNAMIC_DISPATCH(best_of_four_impl)(pairs, templates, n, score);

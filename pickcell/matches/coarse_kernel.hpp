@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace pickcell::matches {
 
@@ -21,6 +22,9 @@ constexpr int kKernelBlock = 16;
 /// weight, for i in [0, n). pairs points at the pair of position 0. |values| <= 127, so that 100,000 taps cannot
 /// overflow.
 void best_of_four(const std::int16_t* pairs, const FourTemplates& templates, int n, float* score);
+
+/// The target that best_of_four runs with on this machine, in lower case: "avx2", "neon", ...
+[[nodiscard]] std::string kernel_target();
 
 /// The same for one position, each template by itself, in plain C++.
 void each_of_four(const std::int16_t* pairs, const FourTemplates& templates, float (&score)[4]);

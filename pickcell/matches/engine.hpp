@@ -58,6 +58,9 @@ class Engine {
   [[nodiscard]] virtual core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                                       const SearchOptions& options) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
+  /// The SIMD target that its kernels run with on this machine, in lower case ("avx2"); "baseline": the one it was compiled
+  /// for.
+  [[nodiscard]] virtual std::string isa() const { return "baseline"; }
 };
 
 /// KEY=VALUE settings of an engine (--set, --params); every key must be known to the engine.
