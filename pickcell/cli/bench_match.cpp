@@ -6,6 +6,7 @@
 
 #include "pickcell/cli/bench_absent.hpp"
 #include "pickcell/cli/yardstick.hpp"
+#include "pickcell/matches/work.hpp"
 
 namespace pickcell::cli {
 
@@ -46,17 +47,17 @@ class Stopwatch {
   [[nodiscard]] double ms() const { return now_ms() - start_ms_; }
 
  private:
-  [[nodiscard]] double now_ms() const { return threads_ == 1 ? thread_cpu_ms() : wall_ms(); }
+  [[nodiscard]] double now_ms() const { return threads_ == 1 ? matches::thread_cpu_ms() : wall_ms(); }
   int threads_;
   double start_ms_;
 };
 
-/// A picture whose template cannot be taught is not found.
-ImageOutcome not_taught(const Dataset& set, std::size_t index, const std::string& why) {
+/// A picture that could not be searched counts as not found.
+ImageOutcome not_searched(const Dataset& set, std::size_t index, std::string why) {
   ImageOutcome out;
   out.image = index;
   out.score.truths = set.images[index].truths.size();
-  out.score.why = "the template cannot be taught: " + why;
+  out.score.why = std::move(why);
   return out;
 }
 
@@ -71,7 +72,7 @@ class Search {
     const matches::Model& model = *models_[image.template_index];
     SearchOptions how = own_options(image);
     auto untimed = find(view, model, how);
-    if (!untimed) return core::forward(untimed);
+    if (!untimed) return not_searched(set_, index, untimed.error().why);
     const Stopwatch watch(options_.threads);
     auto found = find(view, model, how);
     ImageOutcome out;
@@ -115,6 +116,11 @@ class Search {
     if (!other || !models_[*other]) return {};
     SearchOptions how;
     how.threads = options_.threads;
+    const image::Image& part = models_[*other]->picture;
+    if (part.width() > view.width() || part.height() > view.height()) {  // cannot be there, and engines refuse it
+      out.false_accept = false;
+      return {};
+    }
     auto found = find(view, *models_[*other], how);
     if (!found) return core::forward(found);
     out.false_accept = !found->matches.empty();
@@ -153,7 +159,7 @@ core::Status match_images(const Dataset& set, const Models& models, matches::Eng
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const DatasetImage& image = set.images[chosen[i]];
     if (!models[image.template_index]) {
-      run.images.push_back(not_taught(set, chosen[i], run.untaught[image.template_index]));
+      run.images.push_back(not_searched(set, chosen[i], "the template cannot be taught: " + run.untaught[image.template_index]));
       continue;
     }
     auto picture = load(set.folder / image.file);

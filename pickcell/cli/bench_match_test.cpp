@@ -39,9 +39,9 @@ Match match_at(double x, double y, double angle_deg, double score) {
   return m;
 }
 
-/// Pictures 0.png, 1.png, ... of 20x20 px, all of the value of their number.
+/// Pictures 0.png, 1.png, ... of 60x60 px, all of the value of their number.
 core::Result<image::Image> numbered(const std::filesystem::path& path) {
-  image::Image out(20, 20);
+  image::Image out(60, 60);
   out.fill(static_cast<std::uint8_t>(std::stoi(path.stem().string())));
   return out;
 }
@@ -162,12 +162,12 @@ TEST(BenchMatch, EveryKTakesPictures0KAnd2K) {
 
 TEST(BenchMatch, APictureOfAnotherSizeThanRecordedIsRefused) {
   const Dataset set =
-      set_of(R"({"file":"0.png","template":"a","width":21,"height":20,"x":1,"y":1,"angle":0,"scale":1})");
+      set_of(R"({"file":"0.png","template":"a","width":61,"height":60,"x":1,"y":1,"angle":0,"scale":1})");
   ScriptedEngine engine;
   BenchRun run;
   const auto done = match_images(set, two_models(), engine, numbered, run);
   ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().why, "is 20x20 px, but truth.json says 21x20");
+  EXPECT_EQ(done.error().why, "is 60x60 px, but truth.json says 61x60");
 }
 
 TEST(BenchMatch, AtLeastNineYardsticksAreSpreadOverTheRun) {

@@ -2,7 +2,7 @@
 
 #include <malloc.h>
 
-#include <ctime>
+#include "pickcell/matches/work.hpp"
 
 #ifdef PICKCELL_WITH_YARDSTICK
 #include <opencv2/core.hpp>
@@ -15,12 +15,6 @@ void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, -1);  // 4 GiB does not fit mallopt's int; -1: never
   mallopt(M_TOP_PAD, 256 << 20);
-}
-
-double thread_cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
 #ifdef PICKCELL_WITH_YARDSTICK
@@ -42,10 +36,10 @@ Yardstick::Yardstick() : pictures_(std::make_unique<Pictures>()) { (void)measure
 bool Yardstick::available() { return true; }
 
 std::optional<double> Yardstick::measure_ms() {
-  const double start_ms = thread_cpu_ms();
+  const double start_ms = matches::thread_cpu_ms();
   cv::Mat score;
   cv::matchTemplate(pictures_->scene, pictures_->part, score, cv::TM_CCOEFF_NORMED);
-  return thread_cpu_ms() - start_ms;
+  return matches::thread_cpu_ms() - start_ms;
 }
 
 #else

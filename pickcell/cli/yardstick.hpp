@@ -15,9 +15,6 @@ constexpr double kSlowYardstickMs = 9;
 /// correlation pays page faults and the yardstick is more than three times slower. Call it before anything else.
 void keep_freed_memory();
 
-/// CPU time that the calling thread has used, milliseconds.
-[[nodiscard]] double thread_cpu_ms();
-
 /// Not thread-safe. Sets OpenCV to one thread.
 class Yardstick {
  public:
