@@ -17,13 +17,13 @@ export function Run() {
       <main class="run" aria-label={t('main')}>
         <div class="left">
           <LivePicture />
-          <LogPanel />
+          <Parts />
         </div>
         <div class="right">
           <Alarms />
           <RobotPanel />
           <CountersPanel />
-          <Parts />
+          <LogPanel />
         </div>
       </main>
       <footer>{t('no_estop')}</footer>

@@ -5,8 +5,8 @@ import type { Row } from './Panel.tsx';
 export function Facts({ rows }: { rows: Row[] }) {
   return (
     <dl class="facts">
-      {rows.map(({ label, value, odd }) => (
-        <div key={label} class={odd ? `odd p${odd}` : ''}>
+      {rows.map(({ label, value, odd, wide }) => (
+        <div key={label} class={`${odd ? `odd p${odd}` : ''} ${wide ? 'wide' : ''}`}>
           <dt>{label}</dt>
           <dd>
             {odd ? <Sign priority={odd} /> : null} {value}

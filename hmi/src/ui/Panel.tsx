@@ -17,4 +17,6 @@ export interface Row {
   value: ComponentChildren;
   /** Differs from what is wanted: a sign and colour. */
   odd?: 1 | 2 | 3 | null;
+  /** Takes the whole width where rows stand in two columns. */
+  wide?: boolean;
 }

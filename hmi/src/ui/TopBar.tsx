@@ -48,7 +48,7 @@ function RobotChip() {
 
 function LinkChip() {
   const state = link.value;
-  const text = state === 'live' ? `${pictureAgeS.value.toFixed(1)} s` : state === 'dead' ? `${silentS.value} s` : ' ';
+  const text = state === 'live' ? t('picture_age', { s: pictureAgeS.value.toFixed(1) }) : state === 'dead' ? `${silentS.value} s` : ' ';
   return (
     <div class={`chip link-chip ${state === 'dead' ? 'p1' : ''}`} data-link={state}>
       <span class="chip-title">{t(`link_${state}`)}</span>

@@ -14,15 +14,15 @@ export function Alarms() {
     <Panel title={t('alarms')} name="alarms" aside={more > 0 ? <span class="aside">{t('alarms_more', { n: more })}</span> : null}>
       {all.length === 0 ? <p class="quiet">{t('alarms_none')}</p> : null}
       <ul class="alarm-list">
-        {all.slice(0, kShown).map((a, i) => (
-          <AlarmRow key={a.id} alarm={a} open={i === 0 && a.active} />
+        {all.slice(0, kShown).map((a) => (
+          <AlarmRow key={a.id} alarm={a} open={all.length === 1} />
         ))}
       </ul>
     </Panel>
   );
 }
 
-/** The first one says cause and remedy at once; the others fold out. */
+/** A single one says cause and remedy at once; of several each folds out. */
 function AlarmRow({ alarm, open }: { alarm: Alarm; open: boolean }) {
   const priority = asPriority(alarm.priority);
   const when = alarm.count > 1 ? t('times', { n: alarm.count, t: clock(alarm.last_us) }) : t('since', { t: clock(alarm.first_us) });

@@ -26,8 +26,8 @@ export function CountersPanel() {
           { label: t('unknown'), value: <span data-counter="unknown">{c.unknown}</span>, odd: c.unknown > 0 ? 2 : null },
           { label: t('found'), value: c.found },
           { label: t('frames'), value: c.frames },
-          { label: t('match_time'), value: `${number(c.match_ms_median)} / ${number(c.match_ms_p95)} ms` },
           { label: t('rejected'), value: total },
+          { label: t('match_time'), value: `${number(c.match_ms_median)} / ${number(c.match_ms_p95)} ms`, wide: true },
         ]}
       />
       {rejected.length > 0 ? (

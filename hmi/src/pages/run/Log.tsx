@@ -33,13 +33,12 @@ function Line({ row }: { row: LogRow }) {
   const priority = row.level === 'error' ? 1 : row.level === 'warning' ? 2 : null;
   const level = `level_${row.level}` as Key;
   return (
-    <li class={priority ? `odd p${priority}` : ''}>
+    <li class={priority ? `p${priority}` : ''}>
       <time>{clock(row.us)}</time>
-      <span class="log-level">
-        {priority ? <Sign priority={priority} /> : null} {t(level)}
+      <span>
+        {priority ? <Sign priority={priority} /> : null} <span class="unseen">{t(level)}</span>
+        <span class="log-module">{row.module}</span> {row.text}
       </span>
-      <span class="log-module">{row.module}</span>
-      <span class="log-text">{row.text}</span>
     </li>
   );
 }

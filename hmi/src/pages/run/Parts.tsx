@@ -48,22 +48,24 @@ function State({ det }: { det: Det }) {
 function Details({ det }: { det: Det | null }) {
   if (!det) return <p class="quiet">{t('part_gone')}</p>;
   const rows: Row[] = [
-    { label: t('part_state'), value: t(`st_${det.st}`), odd: isOdd(det) },
     { label: t('part_score'), value: det.score.toFixed(3) },
     { label: t('part_place'), value: `${number(det.cx, 1)}, ${number(det.cy, 1)} px` },
     { label: t('part_angle'), value: deg(det.deg) },
     { label: t('part_scale'), value: det.sc.toFixed(3) },
   ];
   return (
-    <div class="part-details">
-      <h3>
-        {det.part} <span class="aside">#{det.id}</span>
-      </h3>
-      {det.why ? (
-        <p class="why">
-          <strong>{t('part_why')}:</strong> {det.why}
-        </p>
-      ) : null}
+    <div class="part-details" tabIndex={0} role="group" aria-label={det.part}>
+      <div>
+        <h3>
+          {det.part} <span class="aside">#{det.id}</span>
+        </h3>
+        <State det={det} />
+        {det.why ? (
+          <p class="why">
+            <strong>{t('part_why')}:</strong> {det.why}
+          </p>
+        ) : null}
+      </div>
       <Facts rows={rows} />
     </div>
   );

@@ -8,20 +8,17 @@ export function RobotPanel() {
   const state = model.value?.state;
   const robot = state?.robot;
   if (!robot) return <Panel title={t('robot')} name="robot">{null}</Panel>;
-  const rows: Row[] = [
-    { label: t('robot_link'), value: robot.connected ? t('robot_on') : t('robot_off'), odd: robot.connected ? null : 1 },
-  ];
-  if (robot.connected) {
-    // Only what is not as it should be for picking carries a sign.
-    rows.push(
-      { label: t('robot_state'), value: robot.words, odd: null },
-      { label: t('servo'), value: robot.servo ? t('on') : t('off'), odd: !robot.servo && state.mode === 'running' ? 2 : null },
-      { label: t('remote'), value: robot.remote ? t('on') : t('off'), odd: robot.remote ? null : 2 },
-      { label: t('robot_tool'), value: `${robot.tool_mm.map(mm).join('  ')} mm` },
-    );
+  const rows: Row[] = [];
+  if (!robot.connected) {
+    rows.push({ label: t('robot_link'), value: t('robot_off'), odd: 1 });
+  } else {
+    rows.push({ label: t('robot_state'), value: robot.words }, { label: t('robot_tool'), value: `${robot.tool_mm.map(mm).join('  ')} mm` });
+    // Beyond that only what is not as picking needs it.
+    if (robot.alarm) rows.push({ label: t('robot_alarm'), value: t('yes'), odd: 1 });
     if (robot.held) rows.push({ label: t('held'), value: t('yes'), odd: 2 });
     if (robot.teach) rows.push({ label: t('teach'), value: t('yes'), odd: 2 });
-    if (robot.alarm) rows.push({ label: t('robot_alarm'), value: t('yes'), odd: 1 });
+    if (!robot.remote) rows.push({ label: t('remote'), value: t('off'), odd: 2 });
+    if (!robot.servo && state.mode === 'running') rows.push({ label: t('servo'), value: t('off'), odd: 2 });
   }
   return (
     <Panel title={t('robot')} name="robot" aside={<span class="aside">{robot.link}</span>}>
