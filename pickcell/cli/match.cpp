@@ -23,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string model, engine = "best", mask, angle, scale, min_score, roi, budget_ms, threads = "all", params, overlay;
+  std::string model, engine = "best", mask, angle, scale, min_score, roi, budget_ms, max_overlap = "0.3",
+                     threads = "all", params, overlay;
   std::vector<std::string> images, more_models, sets;
   int max = 1;
-  double max_overlap = 0.3;
   bool explain = false, json = false;
 };
 
@@ -66,12 +66,14 @@ core::Status read_ranges(const Options& options, matches::SearchOptions& search)
 core::Result<matches::SearchOptions> search_options(const Options& options) {
   matches::SearchOptions search;
   search.max_matches = options.max;
-  search.max_overlap = options.max_overlap;
   search.explain = options.explain;
   if (auto fine = read_ranges(options, search); !fine) return core::forward(fine);
   auto threads = thread_count(options.threads);
   if (!threads) return core::forward(threads);
   search.threads = *threads;
+  auto overlap = one_number("--max-overlap", options.max_overlap, 0, 1);
+  if (!overlap) return core::forward(overlap);
+  search.max_overlap = *overlap;
   if (!options.min_score.empty()) {
     auto score = one_number("--min-score", options.min_score, 0, 1);
     if (!score) return core::forward(score);
@@ -209,9 +211,7 @@ Runner add(CLI::App& app) {
   app.add_option("--max", o->max, "most matches in a picture")->capture_default_str()->check(CLI::Range(1, 200));
   app.add_option("--min-score", o->min_score, "threshold 0..1 (default: the model's)");
   app.add_option("--roi", o->roi, "search centres in this part of the picture")->type_name("x,y,w,h");
-  app.add_option("--max-overlap", o->max_overlap, "of two matches' rectangles")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--max-overlap", o->max_overlap, "of two matches' rectangles")->capture_default_str();
   app.add_option("--budget-ms", o->budget_ms, "time after which what was found so far is reported");
   app.add_option("--threads", o->threads, "number of threads, or all")->capture_default_str();
   app.add_option("--set", o->sets, "engine setting; may be given several times")

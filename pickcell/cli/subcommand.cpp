@@ -83,9 +83,10 @@ core::Error unexpected_argument(const CLI::App& app, const std::string& command)
 }
 
 core::Error explain(const CLI::ParseError& error, const CLI::App& app, const std::string& command) {
-  if (error.get_name() == "ExtrasError") return unexpected_argument(app, command);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) return unexpected_argument(app, command);
   std::string why = error.what();
-  if (!why.empty()) why[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(why[0])));
+  if (why.size() > 1 && std::islower(static_cast<unsigned char>(why[1])))
+    why[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(why[0])));
   while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
   return usage(command, why, see_help(command));
 }
