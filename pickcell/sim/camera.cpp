@@ -11,9 +11,6 @@ namespace {
 
 constexpr std::size_t kRemembered = 1000;
 
-/// A belt without end: a piece longer than the field of view, continued by mirroring.
-SurfaceTexture ground(const CameraSettings& settings) { return {settings.surface, settings.seed, 520, 420}; }
-
 core::Duration microseconds(double us) { return core::duration_s(us * 1e-6); }
 
 SeenPart seen(const PartTruth& truth, const LaidPart& laid, const Perspective& perspective, const Intrinsics& camera) {
@@ -68,7 +65,7 @@ SimulatedCamera::SimulatedCamera(CameraSettings settings, World& world, const co
       world_(world),
       clock_(clock),
       perspective_(settings_.intrinsics, world.settings().T_base_plane.inverse() * settings_.T_base_camera,
-                   ground(settings_), settings_.light) {}
+                   seen_surface(settings_.surface, settings_.seed), settings_.light) {}
 
 frames::SourceInfo SimulatedCamera::info() const {
   return {settings_.camera_id, settings_.intrinsics.width_px, settings_.intrinsics.height_px, true};

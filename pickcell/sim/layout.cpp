@@ -20,7 +20,7 @@ double gap_mm(const LaidPart& a, const LaidPart& b) {
       (a.to_plane(a.part->kind().outline.bounds().center()) - b.to_plane(b.part->kind().outline.bounds().center()))
           .norm() -
       a.part->radius_mm() * a.scale - b.part->radius_mm() * b.scale;
-  if (apart > 14) return apart;
+  if (apart > 30) return apart;
   double gap = 1e9;
   for (const Point2& p : b.part->rim()) {
     const Point2 q = a.to_part(b.to_plane(p));

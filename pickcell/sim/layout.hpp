@@ -20,8 +20,7 @@ struct LaidPart {
   [[nodiscard]] Point2 to_plane(const Point2& part_mm) const;
 };
 
-/// Distance between two outlines, mm, about 0.5 mm exact; negative when they overlap. Distances beyond 14 mm are lower
-/// bounds.
+/// Distance between two outlines, mm: about 0.5 mm exact up to 14 mm, a lower bound beyond; negative when they overlap.
 [[nodiscard]] double gap_mm(const LaidPart& a, const LaidPart& b);
 
 /// Fraction of a's face that b covers, 0..1.

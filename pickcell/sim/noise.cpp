@@ -2,16 +2,15 @@
 
 #include <cmath>
 
-#include "pickcell/sim/random.hpp"
-
 namespace pickcell::sim {
 
 namespace {
 
 double lattice(std::int64_t x, std::int64_t y, std::uint64_t seed) {
-  const std::uint64_t h = mix(seed ^ (static_cast<std::uint64_t>(x) * 0x8da6b343ULL) ^
-                              (static_cast<std::uint64_t>(y) * 0xd8163841ULL << 16));
-  return static_cast<double>(h >> 11) * 0x1.0p-52 - 1;
+  std::uint64_t h = seed ^ (static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ULL) ^
+                    (static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fULL);
+  h = (h ^ (h >> 32)) * 0xbf58476d1ce4e5b9ULL;
+  return static_cast<double>((h ^ (h >> 29)) >> 11) * 0x1.0p-52 - 1;
 }
 
 double ease(double t) { return t * t * (3 - 2 * t); }

@@ -29,8 +29,8 @@ PartKind bracket_l() {
       .albedo = 0.62,
       .bevel_mm = 0.9,
       .brush_deg = 20,
-      .marks = {countersink(-21, 16, 3.2), countersink(-21, 2, 3.2),
-                engraving(lettering("L-24", 5, 0.8).moved(-12, -15))},
+      .marks = {sunk(rectangle(31, 9, 3).moved(13, -15), 0.3, 0.5), countersink(-21, 16, 3.2), countersink(-21, 2, 3.2),
+                engraving(lettering("L4", 6, 1.0).moved(-20, -15))},
       .grasps = {{-3, -15, 0, true}},
       .seed = 11};
 }
@@ -68,17 +68,18 @@ PartKind bracket_u() {
 
 PartKind gear_18() {
   const Shape keyed = join({circle(6), rectangle(4, 4).moved(0, 7)});
-  return {.name = "gear_18",
-          .family = "gear",
-          .outline = cut(gear(18, 21.5, 26), {keyed, circle(3.4).moved(13, 0), circle(3.4).moved(-6.5, -11.3)}),
-          .height_mm = 10,
-          .finish = Finish::turned,
-          .albedo = 0.58,
-          .bevel_mm = 0.6,
-          .brush_deg = 0,
-          .marks = {sunk(cut(circle(18.8), {circle(9.8)}), 0.42, 0.5), engraving(circle(1.6).moved(-9, 16.2))},
-          .grasps = {{0, 0, 0, true}},
-          .seed = 21};
+  return {
+      .name = "gear_18",
+      .family = "gear",
+      .outline = cut(gear(18, 21.5, 26), {keyed, capsule({12.5, 6}, {13.8, -4}, 3.6), circle(3.4).moved(-6.5, -11.3)}),
+      .height_mm = 10,
+      .finish = Finish::turned,
+      .albedo = 0.58,
+      .bevel_mm = 0.6,
+      .brush_deg = 0,
+      .marks = {sunk(cut(circle(18.8), {circle(9.8)}), 0.42, 0.5), engraving(circle(1.6).moved(-9, 16.2))},
+      .grasps = {{0, 0, 0, true}},
+      .seed = 21};
 }
 
 PartKind gear_24() {

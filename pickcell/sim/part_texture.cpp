@@ -61,6 +61,11 @@ PartTexture::PartTexture(const PartKind& kind)
       face_(wider(kind.outline.bounds(), 1)),
       surround_(wider(kind.outline.bounds(), kSurroundMm)),
       brush_(std::cos(core::rad_from_deg(kind.brush_deg)), std::sin(core::rad_from_deg(kind.brush_deg))) {
+  const Point2 around_px = surround_.size() * kDistancePerMm;
+  distance_.resize(static_cast<int>(std::ceil(around_px.x())) + 1, static_cast<int>(std::ceil(around_px.y())) + 1);
+  for (int y = 0; y < distance_.height(); ++y)
+    for (int x = 0; x < distance_.width(); ++x)
+      distance_.at(x, y) = static_cast<float>(kind_.outline.distance(surround_.lo + Point2(x, y) / kDistancePerMm));
   const Point2 face_px = face_.size() * kFacePerMm;
   const int w = static_cast<int>(std::ceil(face_px.x())) + 1, h = static_cast<int>(std::ceil(face_px.y())) + 1;
   surfels_.resize(4 * w, h);
@@ -71,11 +76,6 @@ PartTexture::PartTexture(const PartKind& kind)
       float* out = surfels_.row(y) + 4 * x;
       out[0] = s.coverage, out[1] = s.albedo, out[2] = s.nx, out[3] = s.ny;
     }
-  const Point2 around_px = surround_.size() * kDistancePerMm;
-  distance_.resize(static_cast<int>(std::ceil(around_px.x())) + 1, static_cast<int>(std::ceil(around_px.y())) + 1);
-  for (int y = 0; y < distance_.height(); ++y)
-    for (int x = 0; x < distance_.width(); ++x)
-      distance_.at(x, y) = static_cast<float>(kind_.outline.distance(surround_.lo + Point2(x, y) / kDistancePerMm));
   collect_points();
 }
 
@@ -99,7 +99,7 @@ double PartTexture::material(const Point2& p) const {
     case Finish::brushed: {
       const double along = p.x() * std::cos(a) + p.y() * std::sin(a),
                    across = p.y() * std::cos(a) - p.x() * std::sin(a);
-      return kind_.albedo * (1 + grain + 0.16 * fractal_noise(along * 0.08, across * 2.2, 3, kind_.seed + 200));
+      return kind_.albedo * (1 + grain + 0.1 * fractal_noise(along * 0.08, across * 2.2, 3, kind_.seed + 200));
     }
     case Finish::turned:
       return kind_.albedo * (1 + grain + 0.12 * fractal_noise(p.norm() * 2.4, 0.3, 3, kind_.seed + 300));
@@ -122,10 +122,11 @@ void PartTexture::paint(const Point2& p, Surfel& out) const {
     const double d = std::abs(mark.shape.distance(p));
     if (d < edge) tilt += gradient(mark.shape, p) * (mark.step_mm > 0 ? 1 : -1) * kMaxTilt * (1 - d / edge);
   }
-  const double d = kind_.outline.distance(p);
+  double d = static_cast<double>(distance(p.x(), p.y()));
+  if (std::abs(d) < kind_.bevel_mm + 1) d = kind_.outline.distance(p);  // exact where it is seen
   if (d > -kind_.bevel_mm) {  // the broken edge: brighter under diffuse light, with a dark burr outside
     const double up = std::min(1 + d / kind_.bevel_mm, 1.0);
-    tilt += gradient(kind_.outline, p) * kMaxTilt * up;
+    if (d < 1) tilt += gradient(kind_.outline, p) * kMaxTilt * up;
     albedo *= d > -0.25 ? 0.8 : 1 + 0.22 * up;
   }
   out = {static_cast<float>(std::clamp(0.5 - d * kFacePerMm, 0.0, 1.0)),
@@ -147,12 +148,16 @@ Surfel PartTexture::sample(double x_mm, double y_mm) const {
 }
 
 float PartTexture::distance(double x_mm, double y_mm) const {
-  const double u = std::clamp((x_mm - surround_.lo.x()) * kDistancePerMm, 0.0, distance_.width() - 1.001);
-  const double v = std::clamp((y_mm - surround_.lo.y()) * kDistancePerMm, 0.0, distance_.height() - 1.001);
+  const double u0 = (x_mm - surround_.lo.x()) * kDistancePerMm, v0 = (y_mm - surround_.lo.y()) * kDistancePerMm;
+  const double u = std::clamp(u0, 0.0, distance_.width() - 1.001), v = std::clamp(v0, 0.0, distance_.height() - 1.001);
   const int x = static_cast<int>(u), y = static_cast<int>(v);
   const auto fu = static_cast<float>(u - x), fv = static_cast<float>(v - y);
   const float *a = distance_.row(y) + x, *b = distance_.row(y + 1) + x;
-  return (1 - fv) * ((1 - fu) * a[0] + fu * a[1]) + fv * ((1 - fu) * b[0] + fu * b[1]);
+  const float d = (1 - fv) * ((1 - fu) * a[0] + fu * a[1]) + fv * ((1 - fu) * b[0] + fu * b[1]);
+  if (u == u0 && v == v0) return d;
+  // Outside the raster, which is convex and encloses the part: at least the way to it and on, at a right angle or more.
+  const auto out = static_cast<float>(std::hypot(u0 - u, v0 - v) / kDistancePerMm);
+  return std::sqrt(d * d + out * out);
 }
 
 Lighting::Lighting(double angle_deg, const Light& light)

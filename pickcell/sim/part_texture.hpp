@@ -40,8 +40,8 @@ class PartTexture {
   [[nodiscard]] const PartKind& kind() const { return kind_; }
   /// Bilinear; coverage 0 beyond the raster. Millimetres in the part's frame.
   [[nodiscard]] Surfel sample(double x_mm, double y_mm) const;
-  /// mm to the outline, negative inside; from a coarse raster, about 0.1 mm exact up to 14 mm outside and at least that
-  /// beyond.
+  /// mm to the outline, negative inside; from a coarse raster, about 0.1 mm exact up to 14 mm outside, a lower
+  /// bound beyond.
   [[nodiscard]] float distance(double x_mm, double y_mm) const;
   /// Points of the outline and its holes, and points of the covered area on a 1 mm grid; in the part's frame.
   [[nodiscard]] const std::vector<Point2>& rim() const { return rim_; }

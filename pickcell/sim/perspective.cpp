@@ -15,6 +15,8 @@ constexpr int kWallSteps = 5;             ///< heights at which a ray is tested 
 
 }  // namespace
 
+SurfaceTexture seen_surface(Surface surface, std::uint64_t seed) { return {surface, seed, 460, 460, 2}; }
+
 /// One part as the camera sees it: from the ground point behind a pixel to the part's frame.
 struct Perspective::Sight {
   const PartTexture& texture;

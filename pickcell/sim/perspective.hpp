@@ -11,6 +11,9 @@
 
 namespace pickcell::sim {
 
+/// A piece of a surface larger than the field of view of 400 mm; a moving belt continues it by mirroring.
+[[nodiscard]] SurfaceTexture seen_surface(Surface surface, std::uint64_t seed);
+
 /// Keeps, for one camera in one place, the point of the plane behind every pixel and the last background. One thread at
 /// a time.
 class Perspective {

@@ -68,8 +68,7 @@ std::vector<TeachPicture> take_teach_pictures(const std::vector<std::string>& ki
                                               const core::Transform<core::Base, core::Plane>& T_base_plane,
                                               Surface surface) {
   const core::Transform<core::Plane, core::Camera> T_plane_camera = T_base_plane.inverse() * camera.T_base_camera;
-  Perspective perspective(camera.intrinsics, T_plane_camera, SurfaceTexture(surface, camera.seed + 1, 520, 420),
-                          camera.light);
+  Perspective perspective(camera.intrinsics, T_plane_camera, seen_surface(surface, camera.seed + 1), camera.light);
   std::vector<TeachPicture> all;
   for (const std::string& kind : kinds) all.push_back(take(part_texture(kind), camera, T_plane_camera, perspective));
   return all;
