@@ -82,7 +82,10 @@ void wear(image::Plane<float>& albedo, double px_per_mm, std::uint64_t seed) {
 /// The index that mirroring folds back into 0..n-1, as a real number.
 double folded(double u, int n) {
   const double period = 2.0 * (n - 1);
-  const double m = u - period * std::floor(u / period);
+  const double turns = u / period;
+  auto whole = static_cast<std::int64_t>(turns);  // rounded down below: std::floor is a slow call here
+  whole -= static_cast<double>(whole) > turns ? 1 : 0;
+  const double m = u - period * static_cast<double>(whole);
   return m <= n - 1 ? m : period - m;
 }
 
