@@ -8,7 +8,7 @@ void AdaptiveVideo::acknowledged(WallDuration round_trip, WallTime now) {
   if (changed_ == WallTime{}) changed_ = now;
   sample_.push_back(round_trip);
   if (sample_.size() < kSample) return;
-  const auto p90 = sample_.begin() + static_cast<std::ptrdiff_t>(kSample * 9 / 10);
+  const auto p90 = sample_.begin() + static_cast<std::ptrdiff_t>(kSample * 9 / 10) - 1;  // nearest rank
   std::nth_element(sample_.begin(), p90, sample_.end());
   const bool slow = *p90 > kSlow;
   sample_.clear();
