@@ -123,7 +123,7 @@ TEST(Kinematics, GP7CoversTheWorkAreaWithTheToolDown) {
   int missed = 0;
   for (int x = 300; x <= 650; x += 25)
     for (int y = -300; y <= 300; y += 25)
-      for (int z = -280; z <= 0; z += 20)
+      for (int z = -280; z <= 180; z += 20)
         for (int rz = -179; rz <= 180; rz += 21) {
           const FlangePose T(zyx(180, 0, rz), Eigen::Vector3d(x, y, z + 150) * 1e-3);
           if (!inverse_in_form(a, T, Form{}, Joints::Zero())) ++missed;

@@ -48,8 +48,8 @@ TEST(PickReach, TheTaughtJobPicksAndPlacesEverywhere) {
   const auto any = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
   for (; total < 400; ++total) {
     const int pick_turn = any(-179, 180), place_turn = any(-179, 180);
-    s.P[10] = down(any(350, 600), any(-250, 250), any(-250, -100), pick_turn);
-    s.P[11] = down(any(350, 600), any(-250, 250), any(-250, -100), place_turn);
+    s.P[10] = down(any(350, 600), any(-250, 250), any(-250, 60), pick_turn);
+    s.P[11] = down(any(350, 600), any(-250, 250), any(-250, 60), place_turn);
     s.D[10] = s.D[13] = ++sequence;
     EXPECT_TRUE(run_until(s, [&] { return s.B[12] == 1; }));
     s.B[10] = 1;

@@ -1,0 +1,196 @@
+// pickcell sim: the simulated controller with its world as a process of its own, in real time, for foreign clients.
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+
+#include "pickcell/cli/subcommand.hpp"
+#include "pickcell/core/config.hpp"
+#include "pickcell/core/file.hpp"
+#include "pickcell/sim/controller.hpp"
+#include "pickcell/sim/shipped_jobs.hpp"
+#include "pickcell/sim/world.hpp"
+
+namespace pickcell::cli {
+
+namespace {
+
+using core::ErrorCode;
+using core::failure;
+
+struct Options {
+  std::string file, scenario;
+  std::optional<std::string> bind, model, controller, banner;
+  std::optional<int> tcp80_port;
+  std::optional<std::string> hses_port, motoros_port, motoros_endian;
+  bool camera = false, no_camera = false;
+};
+
+struct Setup {
+  sim::ControllerSettings controller;
+  std::uint64_t seed = 1;
+  std::vector<sim::FaultEvent> scenario;
+};
+
+/// What real clients need to see the OK line and the result apart.
+constexpr double kSegmentPause_s = 0.02;
+constexpr int kRealPort = 80;
+
+core::Status refuse_missing_doors(const Options& o) {
+  const auto missing = [](const std::string& option, const std::string& what) {
+    return failure(ErrorCode::usage, option, what + " is not part of this version",
+                   "leave the option out: the TCP 80 door is there");
+  };
+  if (o.hses_port) return missing("--hses-port", "the HSES door");
+  if (o.motoros_port) return missing("--motoros-port", "the MotoROS door");
+  if (o.motoros_endian) return missing("--motoros-endian", "the MotoROS door");
+  if (o.camera) return missing("--camera", "the GigE Vision camera");
+  return {};
+}
+
+core::Result<sim::ArmModel> arm_of(const std::string& name) {
+  const auto model = sim::arm_model(name);
+  if (!model) return failure(ErrorCode::usage, "model", "no arm '" + name + "'", "one of gp7, gp8, motomini");
+  return *model;
+}
+
+core::Status read_file(const std::string& path, Setup& setup) {
+  auto config = core::Config::load(path);
+  if (!config) return core::forward(config);
+  sim::ControllerSettings& c = setup.controller;
+  c.bind = config->string_or("bind", c.bind);
+  c.tcp80_port = static_cast<int>(config->integer_or("tcp80_port", c.tcp80_port));
+  c.type = config->string_or("controller", c.type);
+  c.banner = config->string_or("banner", c.banner);
+  c.segment_pause_s = config->number_or("segment_pause_s", c.segment_pause_s);
+  c.tool_length_m = config->number_or("tool_length_mm", c.tool_length_m * 1000) / 1000;
+  setup.seed = static_cast<std::uint64_t>(config->integer_or("seed", static_cast<std::int64_t>(setup.seed)));
+  const std::string model = config->string_or("model", std::string(sim::name(c.model)));
+  const auto arm = sim::arm_model(model);
+  if (arm)
+    c.model = *arm;
+  else
+    config->problem("model", "must be one of gp7, gp8, motomini");
+  if (c.segment_pause_s < 0 || c.segment_pause_s > 10) config->problem("segment_pause_s", "must be between 0 and 10");
+  for (core::Config& job : config->tables("job")) {
+    auto text = core::read_text_file(job.path("file"));
+    if (!text) return core::forward(text);
+    c.jobs.push_back(*text);
+  }
+  auto events = sim::parse_scenario(*config);
+  if (!events) return core::forward(events);
+  setup.scenario = std::move(*events);
+  return {};
+}
+
+core::Status read_scenario(const std::string& path, Setup& setup) {
+  auto config = core::Config::load(path);
+  if (!config) return core::forward(config);
+  auto events = sim::parse_scenario(*config);
+  if (!events) return core::forward(events);
+  setup.scenario.insert(setup.scenario.end(), events->begin(), events->end());
+  return {};
+}
+
+core::Status check(const sim::ControllerSettings& c) {
+  if (c.tcp80_port < 0 || c.tcp80_port > 65535)
+    return failure(ErrorCode::usage, "--tcp80-port", std::to_string(c.tcp80_port) + " is no TCP port",
+                   "0 (any free one) to 65535");
+  if (!sim::controller_type(c.type))
+    return failure(ErrorCode::usage, "--controller", "no controller '" + c.type + "'",
+                   "one of nx100, dx100, fs100, dx200, yrc1000");
+  if (!c.banner.empty() && c.banner != "NX" && c.banner != "DX" && c.banner != "YR")
+    return failure(ErrorCode::usage, "--banner", "no banner '" + c.banner + "'", "one of NX, DX, YR");
+  for (const std::string& text : c.jobs)
+    if (const auto job = sim::parse_job(text); !job)
+      return failure(ErrorCode::unreadable, "job", "line " + std::to_string(job.error().line) + ": " + job.error().why);
+  return {};
+}
+
+core::Result<Setup> setup_of(const Options& o) {
+  if (auto status = refuse_missing_doors(o); !status) return core::forward(status);
+  Setup setup;
+  sim::ControllerSettings& c = setup.controller;
+  c.tcp80_port = kRealPort;
+  c.segment_pause_s = kSegmentPause_s;
+  c.jobs = sim::shipped_jobs();
+  if (!o.file.empty())
+    if (auto status = read_file(o.file, setup); !status) return core::forward(status);
+  if (!o.scenario.empty())
+    if (auto status = read_scenario(o.scenario, setup); !status) return core::forward(status);
+  c.bind = o.bind.value_or(c.bind);
+  c.tcp80_port = o.tcp80_port.value_or(c.tcp80_port);
+  c.type = o.controller.value_or(c.type);
+  c.banner = o.banner.value_or(c.banner);
+  if (o.model) {
+    auto arm = arm_of(*o.model);
+    if (!arm) return core::forward(arm);
+    c.model = *arm;
+  }
+  if (auto status = check(c); !status) return core::forward(status);
+  return setup;
+}
+
+/// SIGINT and SIGTERM, kept for wait() in every thread that is started while this lives.
+class StopSignals {
+ public:
+  StopSignals() {
+    sigemptyset(&set_);
+    sigaddset(&set_, SIGINT);
+    sigaddset(&set_, SIGTERM);
+    (void)pthread_sigmask(SIG_BLOCK, &set_, &before_);
+  }
+  ~StopSignals() { (void)pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+  void wait() const {
+    int received = 0;
+    (void)sigwait(&set_, &received);
+  }
+
+ private:
+  sigset_t set_{}, before_{};
+};
+
+core::Result<int> run(const Options& options, Io& io) {
+  auto setup = setup_of(options);
+  if (!setup) return core::forward(setup);
+  const StopSignals stop;
+  core::RealClock clock;
+  sim::World world(sim::default_world(setup->seed));
+  auto controller = sim::Controller::switch_on(setup->controller, clock, &world);
+  if (!controller) return core::forward(controller);
+  (*controller)->follow(std::move(setup->scenario));
+  io.err << "pickcell: tcp80: listening on " << setup->controller.bind << ":" << (*controller)->tcp80_port()
+         << std::endl;
+  io.out << "ready" << std::endl;
+  stop.wait();
+  return 0;
+}
+
+Runner add(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  app.add_option("sim_toml", o->file, "settings (SIM.toml); options win");
+  app.add_option("--bind", o->bind, "address to listen on (127.0.0.1)");
+  app.add_option("--tcp80-port", o->tcp80_port, "Ethernet Server port (80; 0: any free one, named on stderr)");
+  app.add_option("--hses-port", o->hses_port, "not part of this version: refused");
+  app.add_option("--motoros-port", o->motoros_port, "not part of this version: refused");
+  app.add_option("--motoros-endian", o->motoros_endian, "not part of this version: refused");
+  app.add_option("--model", o->model, "gp7, gp8 or motomini (gp7)");
+  app.add_option("--controller", o->controller, "nx100, dx100, fs100, dx200 or yrc1000 (yrc1000)");
+  app.add_option("--banner", o->banner, "NX, DX or YR (the controller's own)");
+  app.add_flag("--camera", o->camera, "not part of this version: refused");
+  app.add_flag("--no-camera", o->no_camera, "no camera door (as it is)");
+  app.add_option("--scenario", o->scenario, "faults to inject, [[event]] tables");
+  return [o](Io& io) { return run(*o, io); };
+}
+
+const Registration registered({"sim", "simulated controller for foreign clients, in real time", add});
+
+}  // namespace
+
+}  // namespace pickcell::cli
