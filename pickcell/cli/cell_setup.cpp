@@ -1,0 +1,214 @@
+#include "pickcell/cli/cell_setup.hpp"
+
+#include <charconv>
+#include <utility>
+
+#include "pickcell/core/units.hpp"
+#include "pickcell/frames/file_source.hpp"
+#include "pickcell/matches/engine.hpp"
+#include "pickcell/matches/model_file.hpp"
+#include "pickcell/poses/calibration.hpp"
+#include "pickcell/robot/tcp80_robot.hpp"
+#include "pickcell/sim/shipped_jobs.hpp"
+
+namespace pickcell::cli {
+
+using core::ErrorCode;
+using core::failure;
+
+namespace {
+
+constexpr int kTcp80Port = 80;
+
+SimulationConfig read_simulation(core::Config table) {
+  SimulationConfig out;
+  const std::int64_t seed = table.integer_or("seed", 1);
+  if (seed < 0) table.problem("seed", "must not be negative");
+  out.seed = static_cast<std::uint64_t>(seed);
+  out.kinds = table.strings_or("kinds", out.kinds);
+  for (const std::string& kind : out.kinds) {
+    bool known = false;
+    for (const sim::PartKind& k : sim::part_catalogue()) known = known || k.name == kind;
+    if (!known) table.problem("kinds", "names '" + kind + "', which no simulated part is called");
+  }
+  out.parts_per_pitch = static_cast<int>(table.integer_or("parts_per_pitch", out.parts_per_pitch));
+  if (out.parts_per_pitch < 1 || out.parts_per_pitch > 20) table.problem("parts_per_pitch", "must be within 1 and 20");
+  out.segment_pause_s = table.number_or("segment_pause_s", 0);
+  if (out.segment_pause_s < 0) table.problem("segment_pause_s", "must not be negative");
+  return out;
+}
+
+core::Status check_source(const std::string& source, const std::filesystem::path& file) {
+  if (source == "sim" || source.starts_with("files:")) return {};
+  const bool planned = source.starts_with("aravis:") || source.starts_with("v4l2:");
+  return failure(ErrorCode::usage, file.string(),
+                 "'camera.source' is \"" + source + "\", " +
+                     (planned ? "which this version cannot open yet" : "which is no source of pictures"),
+                 "use \"sim\" or \"files:DIR\"");
+}
+
+/// Host and port of "tcp80://host[:port]".
+core::Result<robot::Tcp80Settings> parse_link(const std::string& link, const std::string& where) {
+  const auto bad = [&](std::string why) {
+    return failure(ErrorCode::usage, where, "'robot.link' is \"" + link + "\", " + std::move(why),
+                   "use \"sim\" or \"tcp80://HOST[:PORT]\"");
+  };
+  const std::string scheme = "tcp80://";
+  if (link.starts_with("hses://") || link.starts_with("motoros://")) return bad("which this version cannot speak yet");
+  if (!link.starts_with(scheme)) return bad("which is no link to a robot");
+  const std::string rest = link.substr(scheme.size());
+  const std::size_t colon = rest.rfind(':');
+  robot::Tcp80Settings out;
+  out.host = rest.substr(0, colon);
+  out.port = kTcp80Port;
+  if (colon != std::string::npos) {
+    const char* end = rest.data() + rest.size();
+    const auto [used, problem] = std::from_chars(rest.data() + colon + 1, end, out.port);
+    if (problem != std::errc() || used != end || out.port < 1 || out.port > 65535) return bad("whose port is no port");
+  }
+  if (out.host.empty()) return bad("which names no host");
+  return out;
+}
+
+core::Result<std::vector<matches::Model>> load_models(const cell::CellConfig& config) {
+  std::vector<matches::Model> models;
+  for (const cell::PartConfig& part : config.parts) {
+    auto model = matches::load_model(part.model);
+    if (!model) return core::forward(model);
+    if (part.height_mm) model->height_m = core::m_from_mm(*part.height_mm);
+    if (model->grasps.empty())
+      return failure(ErrorCode::unreadable, part.model.string(), "the model has no grasp",
+                     "teach it again with --grasp x,y,deg");
+    for (const matches::Model& other : models)
+      if (other.name == model->name)
+        return failure(ErrorCode::unreadable, part.model.string(), "another part is called '" + model->name + "' too",
+                       "teach one of them under another name");
+    models.push_back(std::move(*model));
+  }
+  return models;
+}
+
+core::Result<cell::Vision> make_vision(const cell::CellConfig& config, const frames::SourceInfo& source,
+                                       std::int64_t now_unix_us) {
+  auto camera = poses::load_camera(config.calibration.camera);
+  if (!camera) return core::forward(camera);
+  auto plane = poses::load_plane(config.calibration.plane);
+  if (!plane) return core::forward(plane);
+  const poses::CalibrationUse use{source.width_px, source.height_px, source.camera_id, config.calibration.max_age_days,
+                                  now_unix_us};
+  if (auto fits = poses::check_fits(*camera, *plane, use); !fits) return core::forward(fits);
+  auto models = load_models(config);
+  if (!models) return core::forward(models);
+  auto engine = matches::make_engine("best", {});
+  if (!engine) return core::forward(engine);
+  return cell::Vision(std::move(*engine), std::move(*models),
+                      {std::move(*camera), std::move(*plane), config.calibration.max_age_days});
+}
+
+sim::WorldSettings world_settings(const SimulationConfig& config) {
+  sim::WorldSettings settings = sim::default_world(config.seed);
+  settings.feed.kinds = config.kinds;
+  settings.feed.parts_per_pitch = config.parts_per_pitch;
+  return settings;
+}
+
+core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
+  sim::ControllerSettings settings;
+  settings.segment_pause_s = file.sim.segment_pause_s;
+  settings.jobs = sim::shipped_jobs();
+  auto controller = sim::Controller::switch_on(settings, *setup.clock, &setup.plant->world);
+  if (!controller) return core::forward(controller);
+  setup.plant->controller = std::move(*controller);
+  return {};
+}
+
+core::Status make_robot(CellSetup& setup, const CellFile& file) {
+  robot::Tcp80RobotSettings settings;
+  if (file.cell.robot.link == "sim") {
+    if (auto on = switch_on_controller(setup, file); !on) return on;
+    settings.link.host = "127.0.0.1";
+    settings.link.port = setup.plant->controller->tcp80_port();
+  } else {
+    auto link = parse_link(file.cell.robot.link, file.cell.file.string());
+    if (!link) return core::forward(link);
+    settings.link = std::move(*link);
+  }
+  settings.frame = file.cell.robot.frame;
+  settings.tool = file.cell.robot.tool;
+  settings.limits.box_min_mm = file.cell.limits.box_min_mm;
+  settings.limits.box_max_mm = file.cell.limits.box_max_mm;
+  auto journal = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
+  if (!journal) return core::forward(journal);
+  setup.journal = std::move(*journal);
+  setup.robot = std::make_unique<robot::Tcp80Robot>(settings, *setup.journal, *setup.clock);
+  return {};
+}
+
+core::Result<frames::FrameSource*> make_source(CellSetup& setup, const CellFile& file) {
+  const cell::CameraConfig& camera = file.cell.camera;
+  if (camera.source == "sim") return &setup.plant->camera;
+  const std::filesystem::path folder = camera.source.substr(std::string("files:").size());
+  const auto base = std::filesystem::absolute(file.cell.file).parent_path();
+  auto opened = frames::FileSource::open(folder.is_relative() ? base / folder : folder,
+                                         {camera.id, camera.fps, camera.loop}, *setup.clock);
+  if (!opened) return core::forward(opened);
+  setup.source = std::move(*opened);
+  return setup.source.get();
+}
+
+}  // namespace
+
+core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
+  auto config = core::Config::load(path);
+  if (!config) return core::forward(config);
+  CellFile out;
+  out.cell = cell::read_cell_config(*config, path);
+  out.sim = read_simulation(config->table("sim"));
+  if (auto finished = config->finish(); !finished) return core::forward(finished);
+  if (auto known = check_source(out.cell.camera.source, path); !known) return core::forward(known);
+  if (out.cell.robot.link != "sim")
+    if (auto link = parse_link(out.cell.robot.link, path.string()); !link) return core::forward(link);
+  return out;
+}
+
+SimulatedPlant::SimulatedPlant(const SimulationConfig& config, const core::Clock& clock)
+    : world(world_settings(config)),
+      camera(sim::default_camera(world.settings().T_base_plane, config.seed), world, clock) {}
+
+core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& options) {
+  CellSetup setup;
+  const bool may_jump = file.wholly_simulated() && options.stop_after_picks > 0;
+  if (may_jump)
+    setup.clock = std::make_unique<core::SimulatedClock>();
+  else
+    setup.clock = std::make_unique<core::RealClock>();
+  if (file.cell.camera.source == "sim" || file.cell.robot.link == "sim")
+    setup.plant = std::make_unique<SimulatedPlant>(file.sim, *setup.clock);
+  // The cell's seat first: simulated time stands still until the cell itself waits.
+  auto seat = setup.clock->join("cell");
+
+  auto source = make_source(setup, file);
+  if (!source) return core::forward(source);
+  auto vision = make_vision(file.cell, (*source)->info(), setup.clock->unix_us());
+  if (!vision) return core::forward(vision);
+  cell::CellSettings settings = cell::settings_from(file.cell, vision->models());
+  settings.simulated = setup.plant != nullptr;
+  settings.stop_after_picks = options.stop_after_picks;
+  settings.start_at_once = options.stop_after_picks > 0;
+  if (settings.start_at_once && !settings.allow_motion)
+    return failure(ErrorCode::safety, file.cell.file.string(), "motion is not allowed by this cell file",
+                   "set allow_motion = true in [robot]");
+  if (auto robot = make_robot(setup, file); !robot) return core::forward(robot);
+  auto log =
+      cell::RunLog::create(file.cell.state_dir / "runs",
+                           {file.cell.name, std::filesystem::absolute(file.cell.file), (*source)->info().camera_id,
+                            file.cell.robot.link, vision->engine_name(), setup.clock->unix_us(), settings.simulated},
+                           file.cell.record_frames);
+  if (!log) return core::forward(log);
+  setup.cell = std::make_unique<cell::Cell>(
+      cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot, std::move(*vision), std::move(*log)},
+      std::move(settings));
+  return setup;
+}
+
+}  // namespace pickcell::cli

@@ -1,0 +1,68 @@
+#pragma once
+/// A cell put together from its CELL.toml, with real or simulated camera and robot. The only place that knows which.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pickcell/cell/cell.hpp"
+#include "pickcell/cell/cell_config.hpp"
+#include "pickcell/cell/journal.hpp"
+#include "pickcell/core/clock.hpp"
+#include "pickcell/core/result.hpp"
+#include "pickcell/frames/frame_source.hpp"
+#include "pickcell/robot/robot.hpp"
+#include "pickcell/sim/camera.hpp"
+#include "pickcell/sim/controller.hpp"
+#include "pickcell/sim/world.hpp"
+
+namespace pickcell::cli {
+
+/// [sim] of CELL.toml: what the simulated plant is like, for source = "sim" and link = "sim".
+struct SimulationConfig {
+  std::uint64_t seed = 1;
+  std::vector<std::string> kinds = {"bracket_l", "gear_18", "label_box"};
+  int parts_per_pitch = 4;
+  double segment_pause_s = 0;  ///< wall time between the controller's OK and its result; real ones need some
+};
+
+/// The whole of a cell file.
+struct CellFile {
+  cell::CellConfig cell;
+  SimulationConfig sim;
+  [[nodiscard]] bool wholly_simulated() const { return cell.camera.source == "sim" && cell.robot.link == "sim"; }
+};
+
+/// Errors name the file and the key. Sources and links that do not exist yet are refused.
+[[nodiscard]] core::Result<CellFile> load_cell_file(const std::filesystem::path& path);
+
+/// The simulated plant: world, camera and controller. The controller answers on a loopback port of its own.
+struct SimulatedPlant {
+  SimulatedPlant(const SimulationConfig& config, const core::Clock& clock);
+  sim::World world;
+  sim::SimulatedCamera camera;
+  std::unique_ptr<sim::Controller> controller;  ///< null unless the link is simulated
+};
+
+struct CellRunOptions {
+  std::int64_t stop_after_picks = 0;  ///< > 0: starts by itself and stands when so many are dealt with
+};
+
+/// Everything that lives as long as the cell does. Torn down in the right order.
+struct CellSetup {
+  std::unique_ptr<core::Clock> clock;
+  std::unique_ptr<SimulatedPlant> plant;        ///< null for a real cell
+  std::unique_ptr<frames::FrameSource> source;  ///< null when the plant's camera is used
+  std::unique_ptr<cell::SqliteJournal> journal;
+  std::unique_ptr<robot::Robot> robot;
+  std::unique_ptr<cell::Cell> cell;
+};
+
+/// A wholly simulated cell that stops by itself runs on a simulated clock, everything else in real time. Refuses
+/// calibrations that do not fit the camera, unreadable models, links and sources that cannot be opened. The robot is
+/// not connected yet: cell->open() does that.
+[[nodiscard]] core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& options);
+
+}  // namespace pickcell::cli

@@ -1,0 +1,82 @@
+/// pickcell start: the demonstration cell, everything simulated but the protocols (what ./start calls).
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+
+#include "pickcell/cli/cell_run.hpp"
+#include "pickcell/cli/start_demo.hpp"
+
+namespace pickcell::cli {
+
+using core::ErrorCode;
+using core::failure;
+
+namespace {
+
+struct Options {
+  std::int64_t picks = 0;
+  bool json = false;
+  std::string cell;
+  std::string robot = "tcp80";
+  std::string camera = "inprocess";
+  std::optional<std::uint64_t> seed;
+  std::string listen;
+};
+
+core::Status check(const Options& options) {
+  if (options.robot != "tcp80")
+    return failure(ErrorCode::usage, "--robot " + options.robot, "this version cannot speak it yet", "use tcp80");
+  if (options.camera != "inprocess")
+    return failure(ErrorCode::usage, "--camera " + options.camera, "this version cannot simulate it yet",
+                   "use inprocess");
+  return {};
+}
+
+core::Result<std::filesystem::path> demo_file(const Options& options) {
+  auto folder = new_demo_folder();
+  if (!folder) return folder;
+  DemoOptions demo;
+  demo.seed = options.seed.value_or(1);
+  // Headless runs live on a simulated clock, whose dates those of the calibrations must fit.
+  demo.now_unix_us = options.picks > 0 ? core::SimulatedClock().unix_us() : core::RealClock().unix_us();
+  return prepare_demo(*folder, demo);
+}
+
+core::Result<int> run(const Options& options, Io& io) {
+  if (auto known = check(options); !known) return core::forward(known);
+  std::filesystem::path path = options.cell;
+  if (path.empty()) {
+    auto made = demo_file(options);
+    if (!made) return core::forward(made);
+    path = *made;
+  }
+  auto file = load_cell_file(path);
+  if (!file) return core::forward(file);
+  if (options.seed && !options.cell.empty() && file->cell.camera.source != "sim" && file->cell.robot.link != "sim")
+    return failure(ErrorCode::usage, "--seed", "nothing in " + options.cell + " is simulated", "leave it out");
+  if (options.seed) file->sim.seed = *options.seed;
+  CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
+  if (!options.listen.empty()) cell_run.listen = options.listen;
+  return run_cell(cell_run, io);
+}
+
+Runner add(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  app.add_option("--picks", options->picks, "no page: deal with N parts, report, end")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000'000}));
+  app.add_flag("--json", options->json, "with --picks: the report as one line of JSON");
+  app.add_option("--cell", options->cell, "a cell of your own instead of the demonstration")->type_name("CELL.toml");
+  app.add_option("--robot", options->robot, "protocol of the simulated controller")->type_name("tcp80|hses");
+  app.add_option("--camera", options->camera, "how the simulated camera is reached")->type_name("inprocess|gige");
+  app.add_option("--seed", options->seed, "of the simulated parts, light and noise")->type_name("S");
+  app.add_option("--listen", options->listen, "address and port of the page")->type_name("ADDR:PORT");
+  return [options](Io& io) { return run(*options, io); };
+}
+
+const Registration registered({"start", "the demonstration cell, simulated, with its page at http://127.0.0.1:8080",
+                               add});
+
+}  // namespace
+
+}  // namespace pickcell::cli
