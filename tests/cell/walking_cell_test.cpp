@@ -1,0 +1,143 @@
+/// From a picture to a placed part: everything real but the light and the steel.
+
+#include <cstdlib>
+#include <sstream>
+
+#include "demo_cell.hpp"
+#include "pickcell/cell/database.hpp"
+#include "pickcell/cli/cell_report.hpp"
+#include "pickcell/cli/cell_run.hpp"
+#include "pickcell/cli/subcommand.hpp"
+#include "pickcell/core/file.hpp"
+#include "pickcell/core/json.hpp"
+#include "pickcell/core/statistics.hpp"
+#include "pickcell/poses/calibration.hpp"
+
+namespace pickcell {
+namespace {
+
+/// pickcell ARGS...: exit code, the last line of stdout as JSON, stderr.
+struct Said {
+  int code = 0;
+  core::Json report;
+  std::string err;
+};
+
+Said pickcell(std::vector<std::string> args) {
+  std::ostringstream out, err;
+  Said said;
+  said.code = cli::run(std::move(args), {out, err});
+  said.err = err.str();
+  if (auto parsed = core::parse_json(out.str(), "stdout")) said.report = std::move(*parsed);
+  return said;
+}
+
+class WalkingCell : public DemoCell {
+ protected:
+  Said serve(int picks) {
+    return pickcell({"serve", (folder_ / "CELL.toml").string(), "--picks", std::to_string(picks), "--json"});
+  }
+};
+
+TEST_F(WalkingCell, PlacesPartsWithinAMillimetreAndADegree) {
+  const Said said = serve(6);
+  EXPECT_EQ(said.code, 0) << said.report.dump() << said.err;
+  EXPECT_EQ(said.report["placed"].integer(), 6);
+  EXPECT_EQ(said.report["missed"].integer(), 0);
+  EXPECT_EQ(said.report["dropped"].integer(), 0);
+  EXPECT_EQ(said.report["duplicates"].integer(), 0);
+  EXPECT_LE(said.report["place_mm"]["worst"].number().value_or(99), 1.0);
+  EXPECT_LE(said.report["place_deg"]["worst"].number().value_or(99), 1.0);
+  EXPECT_GT(said.report["place_mm"]["worst"].number().value_or(0), 0.0)
+      << "a perfect place would be the truth, not a measurement";
+}
+
+TEST_F(WalkingCell, IsTheSameEveryTimeForASeed) {
+  const auto places = [&](std::uint64_t seed) {
+    std::filesystem::remove_all(folder_ / "state");
+    set_up(3, seed);
+    setup_.cell->open();
+    wait_done();
+    setup_.cell->close();
+    std::vector<Eigen::Vector3d> out;
+    for (const auto& part : setup_.plant->world.placed()) out.push_back(part.T_base_part.translation_m());
+    out.push_back({core::seconds(setup_.clock->now()), 0, 0});
+    setup_ = {};
+    return out;
+  };
+  const auto first = places(7), again = places(7), other = places(8);
+  ASSERT_EQ(first.size(), 4u);
+  EXPECT_EQ(first, again);
+  EXPECT_NE(first, other);
+}
+
+TEST_F(WalkingCell, APlaneTwoMillimetresOffFailsTheReport) {
+  auto plane = poses::load_plane(folder_ / "plane.toml");
+  ASSERT_TRUE(plane);
+  const auto moved = [](const auto& T) {
+    return std::decay_t<decltype(T)>(T.rotation(), T.translation_m() + Eigen::Vector3d(0.002, 0, 0));
+  };
+  plane->T_base_plane = moved(plane->T_base_plane);
+  plane->T_base_camera = moved(plane->T_base_camera);
+  ASSERT_TRUE(poses::save_plane(folder_ / "plane.toml", *plane));
+  const Said said = serve(3);
+  EXPECT_EQ(said.code, 1) << said.report.dump() << said.err;
+  EXPECT_NEAR(said.report["place_mm"]["median"].number().value_or(0), 2.0, 0.5);
+}
+
+TEST_F(WalkingCell, RefusesACalibrationOfAnotherCamera) {
+  auto camera = poses::load_camera(folder_ / "camera.toml");
+  ASSERT_TRUE(camera);
+  camera->rms_px = 0.4;
+  ASSERT_TRUE(poses::save_camera(folder_ / "camera.toml", *camera));  // the plane was made with the old one
+  const Said said = serve(1);
+  EXPECT_EQ(said.code, 2) << said.err;
+  EXPECT_TRUE(said.report.is_null());
+  EXPECT_EQ(said.err.substr(0, 10), "pickcell: ") << said.err;
+}
+
+TEST_F(WalkingCell, RefusesARejectedCalibration) {
+  auto plane = poses::load_plane(folder_ / "plane.toml");
+  ASSERT_TRUE(plane);
+  plane->verdict = poses::Verdict::reject;
+  ASSERT_TRUE(poses::save_plane(folder_ / "plane.toml", *plane));
+  EXPECT_EQ(serve(1).code, 2);
+}
+
+TEST_F(WalkingCell, EveryPickIsInTheRunFolder) {
+  set_up(2);
+  setup_.cell->open();
+  ASSERT_EQ(wait_done().counters.placed, 2);
+  setup_.cell->close();
+  auto log = cell::Database::open(setup_.cell->ledger().run_folder() / "picks.db");
+  ASSERT_TRUE(log);
+  const auto rows = log->execute(
+      "SELECT p.outcome, d.base_x_mm, d.part, f.width_px FROM pick p JOIN detection d ON d.id = p.detection "
+      "JOIN frame f ON f.sequence = d.frame ORDER BY p.sequence");
+  ASSERT_TRUE(rows) << rows.error().line();
+  ASSERT_EQ(rows->size(), 2u);
+  for (const auto& row : *rows) {
+    EXPECT_EQ(cell::as_text(row[0]), "done");
+    EXPECT_GT(cell::as_real(row[1]), 250);
+    EXPECT_EQ(cell::as_integer(row[3]), 1280);
+  }
+}
+
+TEST_F(WalkingCell, WhatDoesNotExistYetIsRefused) {
+  EXPECT_EQ(pickcell({"start", "--picks", "1", "--robot", "hses"}).code, 2);
+  EXPECT_EQ(pickcell({"start", "--picks", "1", "--camera", "gige"}).code, 2);
+  EXPECT_EQ(pickcell({"start", "--pick", "1"}).code, 2);
+  EXPECT_EQ(pickcell({"start", "--picks", "0"}).code, 2);
+  EXPECT_EQ(pickcell({"serve", (folder_ / "missing.toml").string()}).code, 2);
+  auto text = core::read_text_file(folder_ / "CELL.toml");
+  ASSERT_TRUE(text);
+  for (const std::string other : {"source = \"v4l2:/dev/video0\"", "source = \"tape\""}) {
+    std::string changed = *text;
+    changed.replace(changed.find("source = \"sim\""), 14, other);
+    ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", changed));
+    EXPECT_EQ(serve(1).code, 2) << other;
+  }
+}
+
+}  // namespace
+}  // namespace pickcell
