@@ -99,6 +99,7 @@ class HandOver {
   [[nodiscard]] std::vector<Outcome> take_settled();
 
  private:
+  friend struct HandOverFingerprint;  ///< of the model checker: tells states apart (tests/cell)
   enum class Then { nothing, connected, fence_looked, may_submit, read_back, command_looked, outcome_looked };
 
   void read(std::initializer_list<Register> registers);
