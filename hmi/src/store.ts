@@ -91,7 +91,6 @@ function received(data: string): void {
     else model.value = next;
     if (message.type === 'snap') link.value = 'live';
   }
-  if (link.value === 'dead' && message.type === 'hb' && model.value) connection?.send({ type: 'resync' });
 }
 
 async function frameReceived(data: ArrayBuffer): Promise<void> {

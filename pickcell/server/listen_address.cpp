@@ -46,7 +46,7 @@ core::Result<ListenAddress> parse_listen_address(std::string_view text) {
   if (host == "localhost") host = "127.0.0.1";
   if (!is_address(host)) return failure(core::ErrorCode::usage, what, "not a numeric address", kRemedy);
   if (!is_loopback(host))
-    return failure(core::ErrorCode::refused, what,
+    return failure(core::ErrorCode::usage, what,
                    "only this machine may be served: other listeners need a password, which this version does not have",
                    kRemedy);
   return ListenAddress{host, static_cast<std::uint16_t>(port)};

@@ -37,7 +37,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Errors: refused for an address that is not loopback, usage for a malformed one, unreadable for a bad web root,
+  /// Errors: usage for an address that is malformed or not loopback, unreadable for a bad web root,
   /// device when the port is taken. Once per object.
   [[nodiscard]] core::Status start();
   /// Closes every connection; returns when nothing of it runs any more. May be called twice.

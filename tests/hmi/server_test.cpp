@@ -80,7 +80,7 @@ TEST_F(ServerTest, ListensOnThisMachineOnly) {
     Server server(settings, cell_);
     const auto started = server.start();
     ASSERT_FALSE(started) << address;
-    EXPECT_EQ(started.error().code, core::ErrorCode::refused);
+    EXPECT_EQ(started.error().code, core::ErrorCode::usage);
     EXPECT_NE(started.error().line().find("password"), std::string::npos);
   }
 }

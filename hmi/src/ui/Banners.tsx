@@ -1,5 +1,5 @@
 import { t } from '../i18n/index.ts';
-import { link, model, notice, silentS } from '../store.ts';
+import { link, model, newVersion, notice, silentS } from '../store.ts';
 import { Button } from './Button.tsx';
 import { Sign } from './Sign.tsx';
 
@@ -9,6 +9,7 @@ export function Banners() {
     <div class="banners">
       <div role="alert">{link.value === 'dead' ? <DeadBanner /> : null}</div>
       <div role="status">{link.value === 'dead' ? null : <ReasonBanner />}</div>
+      <div role="status">{newVersion.value ? <NewVersionBanner /> : null}</div>
       <div role="alert">{notice.value ? <NoticeBanner /> : null}</div>
     </div>
   );
@@ -35,6 +36,18 @@ function ReasonBanner() {
       <p>
         <strong>{state.reason}</strong> {state.remedy}
       </p>
+    </div>
+  );
+}
+
+/** Never reloads by itself: a person may be in the middle of something. */
+function NewVersionBanner() {
+  return (
+    <div class="banner">
+      <p>{t('new_version')}</p>
+      <Button class="reload" onPress={() => location.reload()}>
+        {t('reload')}
+      </Button>
     </div>
   );
 }

@@ -1,5 +1,5 @@
 import { t } from '../i18n/index.ts';
-import { link, live, model, newVersion, pictureAgeS, run, silentS } from '../store.ts';
+import { link, live, model, pictureAgeS, run, silentS } from '../store.ts';
 import { Button, HoldButton, NowButton } from './Button.tsx';
 import { asPriority, Sign } from './Sign.tsx';
 
@@ -52,13 +52,7 @@ function LinkChip() {
   return (
     <div class={`chip link-chip ${state === 'dead' ? 'p1' : ''}`} data-link={state}>
       <span class="chip-title">{t(`link_${state}`)}</span>
-      {newVersion.value ? (
-        <button type="button" class="reload" onClick={() => location.reload()}>
-          {t('new_version')}
-        </button>
-      ) : (
-        <span class="chip-text">{text}</span>
-      )}
+      <span class="chip-text">{text}</span>
     </div>
   );
 }
