@@ -130,7 +130,7 @@ void warn_about_angles(const Learnt& learnt, std::vector<TeachWarning>& warnings
 /// 20000, 0.35 with 60000 (the more pixels, the less can agree by chance); right ones lie below the suggestion in 2 of
 /// 100.
 double suggested_threshold(double part_pixels) {
-  return std::clamp(0.65 - 0.045 * std::log2(part_pixels / 4500), 0.5, 0.65);
+  return std::clamp(0.65 - 0.045 * std::log2(part_pixels / 4500), 0.42, 0.65);
 }
 
 Learnt learn(const Model& model, const PartFeatures& features) {
