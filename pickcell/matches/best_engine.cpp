@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
+#include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/selection.hpp"
 
 namespace pickcell::matches {
@@ -16,13 +18,10 @@ core::Status check(const SearchOptions& o) {
   const auto bad = [](const std::string& what, const std::string& why, const std::string& remedy) {
     return core::failure(core::ErrorCode::usage, what, why, remedy);
   };
-  if (o.angle_deg &&
-      !(std::isfinite(o.angle_deg->lo) && std::isfinite(o.angle_deg->hi) && o.angle_deg->lo <= o.angle_deg->hi))
-    return bad("angle range", "it must be two finite numbers, the lower first",
-               "a range across 180 is written 170,190");
-  if (o.scale &&
-      !(std::isfinite(o.scale->lo) && std::isfinite(o.scale->hi) && o.scale->lo > 0 && o.scale->lo <= o.scale->hi))
-    return bad("scale range", "it must be two positive numbers, the lower first", "for example 0.9,1.1");
+  if (o.angle_deg)
+    if (auto fine = check_angle_range("angle range", *o.angle_deg); !fine) return fine;
+  if (o.scale)
+    if (auto fine = check_scale_range("scale range", *o.scale); !fine) return fine;
   if (o.max_matches < 1 || o.max_matches > kMostMatches)
     return bad("number of matches", "it must lie in 1.." + std::to_string(kMostMatches), "");
   if (o.min_score && !(*o.min_score >= 0 && *o.min_score <= 1)) return bad("score limit", "it must lie in 0..1", "");
@@ -58,6 +57,20 @@ CoarseRequest::Box anchor_box(const SearchOptions::Roi& r, const BestModel& m) {
   return {r.x - slack, r.y - slack, r.x + r.w - 1 + slack, r.y + r.h - 1 + slack};
 }
 
+/// Adds what another pass found; of two finds of one place the better stays.
+void merge(Followed more, const BestModel& model, Followed& all) {
+  for (const Hypothesis& h : more.found) {
+    const auto same = std::find_if(all.found.begin(), all.found.end(),
+                                   [&](const Hypothesis& q) { return same_place(q.place, h.place, model.side_px); });
+    if (same == all.found.end())
+      all.found.push_back(h);
+    else if (h.score > same->score)
+      *same = h;
+  }
+  std::move(more.dropped.begin(), more.dropped.end(), std::back_inserter(all.dropped));
+  sort_best_first(all.found);
+}
+
 }  // namespace
 
 BestEngine::BestEngine(BestSettings settings, WorkBudget::CpuClock cpu_ms)
@@ -71,61 +84,69 @@ BestModel& BestEngine::prepared(const Model& model, Range scale) {
   return *list.back();
 }
 
-Followed BestEngine::one_pass(BestModel& model, const Pass& pass, const SearchOptions& options, WorkBudget& budget,
-                              FindResult& result) {
-  const int threads = static_cast<int>(scratch_.size());
-  const bool several = options.max_matches > 1;
+std::vector<CoarseCandidate> BestEngine::candidates(const BestModel& model, const CoarseTemplates& templates, int count,
+                                                    const SearchOptions& options, WorkBudget& budget,
+                                                    FindResult& result) {
   CoarseRequest request;
   request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
   if (options.roi) request.box = anchor_box(*options.roi, model);
-  request.candidates = pass.settings->candidates + (several ? 8 * options.max_matches : 0);
-  if (several) request.per_location = 4;
-  request.threads = threads;
-  const CoarseScene& top = scene_.coarse(pass.templates->factor, pass.templates->reach);
-  const std::vector<CoarseCandidate> candidates = coarse_.run(top, *pass.templates, request, budget);
+  request.candidates = count;
+  if (options.max_matches > 1) request.per_location = 4;
+  request.threads = static_cast<int>(scratch_.size());
+  const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
+  std::vector<CoarseCandidate> found = coarse_.run(top, templates, request, budget);
   StageReport report;
   report.stage = "coarse";
   report.population = coarse_.peaks();
-  report.survivors = static_cast<std::int64_t>(candidates.size());
+  report.survivors = static_cast<std::int64_t>(found.size());
   result.stages.push_back(report);
+  return found;
+}
 
+Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
+                             const CoarseTemplates& templates, const PassSettings& pass, const SearchOptions& options,
+                             WorkBudget& budget, FindResult& result) {
   FollowRequest down;
-  down.keep_top = pass.settings->keep_top + (several ? 4 * options.max_matches : 0);
-  down.keep_mid = pass.settings->keep_mid + (several ? 2 * options.max_matches : 0);
-  down.window = pass.settings->window;
-  down.several = several;
-  down.threads = threads;
+  down.several = options.max_matches > 1;
+  down.keep_top = pass.keep_top + (down.several ? 4 * options.max_matches : 0);
+  down.keep_mid = pass.keep_mid + (down.several ? 2 * options.max_matches : 0);
+  down.window = pass.window;
+  down.floor = options.min_score.value_or(model.model->learnt.suggested_min_score);
+  down.threads = static_cast<int>(scratch_.size());
   down.sure_ncc = settings_.accept_ncc;
   down.sure_edge = settings_.accept_edge;
-  const int from =
-      std::min({start_level(*pass.templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
+  const int from = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
   Followed out = follow(candidates, model, from, scene_, down, budget, scratch_);
   std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
   return out;
 }
 
+bool BestEngine::sure(const Followed& followed, const SearchOptions& options) const {
+  return options.max_matches == 1 && !followed.found.empty() && followed.found[0].ncc >= settings_.accept_ncc &&
+         followed.found[0].edge >= settings_.accept_edge;
+}
+
 Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
-  Followed quick;
+  const bool several = options.max_matches > 1;
+  Followed all;
   if (settings_.effort != Effort::thorough) {
-    quick = one_pass(model, {&settings_.quick, &model.quick}, options, budget, result);
-    const bool sure = !quick.found.empty() && quick.found[0].ncc >= settings_.accept_ncc &&
-                      quick.found[0].edge >= settings_.accept_edge && options.max_matches == 1;
-    if (sure || settings_.effort == Effort::quick || budget.spent()) return quick;
+    const std::size_t few = static_cast<std::size_t>(settings_.quick.candidates);
+    const std::vector<CoarseCandidate> found = candidates(
+        model, model.quick, std::max(settings_.quick.candidates, settings_.wide.candidates), options, budget, result);
+    const std::span<const CoarseCandidate> list(found);
+    const std::span<const CoarseCandidate> first = several ? list : list.first(std::min(few, list.size()));
+    const PassSettings& pass = several ? settings_.wide : settings_.quick;
+    all = descend(first, model, model.quick, pass, options, budget, result);
+    if (several || settings_.effort == Effort::quick || sure(all, options) || budget.spent()) return all;
+    merge(descend(list.subspan(first.size()), model, model.quick, settings_.wide, options, budget, result), model, all);
+    if (sure(all, options) || budget.spent()) return all;
   }
   if (model.thorough.tiles.empty())
     model.thorough = build_coarse_templates(model.pyramid, settings_.thorough.detail, model.scale);
-  Followed more = one_pass(model, {&settings_.thorough, &model.thorough}, options, budget, result);
-  for (const Hypothesis& h : more.found) {
-    const auto same = std::find_if(quick.found.begin(), quick.found.end(),
-                                   [&](const Hypothesis& q) { return same_place(q.place, h.place, model.side_px); });
-    if (same == quick.found.end())
-      quick.found.push_back(h);
-    else if (h.score > same->score)
-      *same = h;
-  }
-  std::move(more.dropped.begin(), more.dropped.end(), std::back_inserter(quick.dropped));
-  sort_best_first(quick.found);
-  return quick;
+  const std::vector<CoarseCandidate> found =
+      candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result);
+  merge(descend(found, model, model.thorough, settings_.thorough, options, budget, result), model, all);
+  return all;
 }
 
 core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span<const Model* const> models,

@@ -4,7 +4,8 @@
 ///   coarse_search   every position, angle and scale of the template's field (coarse_template) by one kernel; local
 ///   maxima follow          candidates down the pyramid; refine: Gauss-Newton on grey values and a contour fit, the
 ///   better is kept selection       threshold, border, overlap, limit; covariance, visible share, ambiguous angles
-/// Two passes: a quick one, and where its answer is not sure a thorough one with a finer top level and more candidates.
+/// Three passes for a single part, each only where the one before is not sure: quick; wide, with more candidates of the
+/// same coarse search; thorough, with a finer top level. Several parts: quick and wide at once.
 ///
 /// Score: 0.4 NCC + 0.6 edge score of the reported pose, clamped to 0..1. NCC is taken on the grey values inside the
 /// part; the edge score is the agreement of edge directions, outline included, 1 for the template itself. Sources:
@@ -38,14 +39,15 @@ class BestEngine final : public Engine {
   [[nodiscard]] std::string isa() const override { return kernel_target(); }
 
  private:
-  struct Pass {
-    const PassSettings* settings;
-    const CoarseTemplates* templates;
-  };
   [[nodiscard]] BestModel& prepared(const Model& model, Range scale);
+  [[nodiscard]] std::vector<CoarseCandidate> candidates(const BestModel& model, const CoarseTemplates& templates,
+                                                        int count, const SearchOptions& options, WorkBudget& budget,
+                                                        FindResult& result);
+  [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
+                                 const CoarseTemplates& templates, const PassSettings& pass,
+                                 const SearchOptions& options, WorkBudget& budget, FindResult& result);
+  [[nodiscard]] bool sure(const Followed& followed, const SearchOptions& options) const;
   [[nodiscard]] Followed search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result);
-  [[nodiscard]] Followed one_pass(BestModel& model, const Pass& pass, const SearchOptions& options, WorkBudget& budget,
-                                  FindResult& result);
 
   BestSettings settings_;
   WorkBudget::CpuClock cpu_ms_;

@@ -17,12 +17,15 @@ struct Number {
   int* whole = nullptr;
 };
 
-void add_pass(const std::string& prefix, PassSettings& p, std::vector<Number>& table) {
+void add_detail(const std::string& prefix, PassSettings& p, std::vector<Number>& table) {
   table.push_back({prefix + ".side_cells", 4, 100, &p.detail.side_cells});
   table.push_back({prefix + ".short_cells", 2, 100, &p.detail.short_cells});
   table.push_back({prefix + ".mask_cells", 2, 100, &p.detail.mask_cells});
   table.push_back({prefix + ".angle_step", 0.2, 4, &p.detail.angle_step});
   table.push_back({prefix + ".scale_step", 0.2, 8, &p.detail.scale_step});
+}
+
+void add_pass(const std::string& prefix, PassSettings& p, std::vector<Number>& table) {
   table.push_back({prefix + ".candidates", 1, 10000, nullptr, &p.candidates});
   table.push_back({prefix + ".keep_top", 1, 10000, nullptr, &p.keep_top});
   table.push_back({prefix + ".keep_mid", 1, 10000, nullptr, &p.keep_mid});
@@ -36,7 +39,10 @@ std::vector<Number> numbers(BestSettings& s) {
       {"min_visible", 0.3, 1, &s.min_visible},
       {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
   };
+  add_detail("quick", s.quick, table);
+  add_detail("thorough", s.thorough, table);
   add_pass("quick", s.quick, table);
+  add_pass("wide", s.wide, table);
   add_pass("thorough", s.thorough, table);
   return table;
 }
@@ -94,6 +100,10 @@ core::Status unknown(const std::string& key, const std::vector<Number>& table) {
 }  // namespace
 
 BestSettings::BestSettings() {
+  wide.candidates = 300;
+  wide.keep_top = 64;
+  wide.keep_mid = 16;
+  wide.window = 0.45;
   thorough.detail.side_cells = 20;
   thorough.detail.short_cells = 10;
   thorough.detail.mask_cells = 11;

@@ -9,7 +9,7 @@
 
 namespace pickcell::matches {
 
-/// One pass from the top level down.
+/// One way from the top level down.
 struct PassSettings {
   CoarseDetail detail;
   int candidates = 48;  ///< local maxima of the coarse search that are followed
@@ -22,9 +22,10 @@ enum class Effort { quick, automatic, thorough };
 
 struct BestSettings {
   PassSettings quick;
-  PassSettings thorough;
-  Effort effort = Effort::automatic;  ///< automatic: thorough only where quick is not sure
-  double accept_ncc = 0.8;            ///< quick's best match is believed from here on ...
+  PassSettings wide;                  ///< more candidates of quick's coarse search; its own detail is not used
+  PassSettings thorough;              ///< a finer coarse search
+  Effort effort = Effort::automatic;  ///< automatic: the next pass only where the one before is not sure
+  double accept_ncc = 0.8;            ///< a pass's best match is believed from here on ...
   double accept_edge = 0.5;           ///< ... and here
   double min_visible = 0.7;           ///< share of the part that must lie inside the picture
   double ambiguous_margin = 0.02;     ///< another angle this close in score makes the angle ambiguous

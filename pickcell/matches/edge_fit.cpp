@@ -3,79 +3,25 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "pickcell/matches/sampling.hpp"
 
 namespace pickcell::matches {
 namespace {
 
 constexpr std::size_t kFewestObservations = 12;
-constexpr float kLeastStep = 5.f;   // grey values over two samples
-constexpr float kSample_px = 0.5f;  // spacing along the normal
-constexpr int kMostSamples = 40;
 using Observation = ContourScratch::Observation;
 
-/// Grey values along the normal, every kSample_px, centred on the point.
-struct Profile {
-  std::array<float, kMostSamples> grey;
-  int n;
-  [[nodiscard]] float at_px(float i) const { return (i - static_cast<float>(n / 2)) * kSample_px; }
-};
-
-void read_profile(image::ImageView image, float x, float y, float nx, float ny, bool smooth, Profile& out) {
-  for (int i = 0; i < out.n; ++i) {
-    const float t = out.at_px(static_cast<float>(i));
-    const float u = x + nx * t;
-    const float v = y + ny * t;
-    float g = bilinear(image, u, v);
-    if (smooth) g = 0.5f * g + 0.25f * (bilinear(image, u - ny, v + nx) + bilinear(image, u + ny, v - nx));
-    out.grey[static_cast<std::size_t>(i)] = g;
-  }
-}
-
-/// Where the profile is steepest, preferring near places; none when it is flat or the edge lies beyond reach_px.
-std::optional<float> steepest(const Profile& p, float reach_px) {
-  std::array<float, kMostSamples> slope{};
-  const auto g = [&](int i) { return p.grey[static_cast<std::size_t>(i)]; };
-  for (int i = 2; i < p.n - 2; ++i)
-    slope[static_cast<std::size_t>(i)] = std::abs(g(i + 1) - g(i - 1) + 0.5f * (g(i + 2) - g(i - 2)));
-  const auto s = [&](int i) { return slope[static_cast<std::size_t>(i)]; };
-  int best = -1;
-  float best_value = 0;
-  for (int i = 3; i < p.n - 3; ++i) {
-    if (s(i) < s(i - 1) || s(i) < s(i + 1)) continue;
-    const float value = s(i) * (1 - 0.5f * std::abs(p.at_px(static_cast<float>(i))) / (reach_px + 0.5f));
-    if (value > best_value) {
-      best = i;
-      best_value = value;
-    }
-  }
-  if (best < 0 || s(best) < kLeastStep) return {};
-  const float bend = s(best - 1) + s(best + 1) - 2 * s(best);
-  const float shift = bend < 0 ? 0.5f * (s(best - 1) - s(best + 1)) / bend : 0.f;
-  const float t = p.at_px(static_cast<float>(best) + shift);
-  if (std::abs(t) > reach_px) return {};
-  return t;
-}
-
-void observe(image::ImageView image, const std::vector<ContourPoint>& points, const LevelMap& m, float scale,
-             float reach_px, bool smooth, std::vector<Observation>& seen) {
-  seen.clear();
-  Profile profile{};
-  profile.n = std::min(kMostSamples, 2 * static_cast<int>(std::ceil(reach_px / kSample_px)) + 7);
-  const float far = static_cast<float>(profile.n / 2 + 1) * kSample_px + (smooth ? 1.f : 0.f);
-  for (const ContourPoint& c : points) {
-    const float rx = m.a * c.x + m.b * c.y;
-    const float ry = -m.b * c.x + m.a * c.y;
-    const float x = m.x + rx;
-    const float y = m.y + ry;
-    if (!inside(image, x - far, y - far) || !inside(image, x + far, y + far)) continue;
-    const float nx = (m.a * c.nx + m.b * c.ny) / scale;
-    const float ny = (-m.b * c.nx + m.a * c.ny) / scale;
-    read_profile(image, x, y, nx, ny, smooth, profile);
-    if (const auto t = steepest(profile, reach_px)) seen.push_back({*t, 1.f, nx, ny, rx, ry});
+void observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
+             ContourScratch& scratch) {
+  scratch.distance.resize(points.x.size());
+  find_edges(image, points.columns(), m, reach_px, smooth, scratch.distance.data());
+  scratch.seen.clear();
+  const float unit = 1 / std::hypot(m.a, m.b);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
+    if (scratch.distance[i] == kNoEdge) continue;
+    scratch.seen.push_back({scratch.distance[i], 1.f, unit * (m.a * points.nx[i] + m.b * points.ny[i]),
+                            unit * (m.a * points.ny[i] - m.b * points.nx[i]), m.a * points.x[i] + m.b * points.y[i],
+                            m.a * points.y[i] - m.b * points.x[i]});
   }
 }
 
@@ -90,7 +36,8 @@ std::optional<Movement> solve(const std::vector<Observation>& seen) {
   Movement right = Movement::Zero();
   for (const Observation& o : seen) {
     const Movement row = derivative(o);
-    A.selfadjointView<Eigen::Lower>().rankUpdate(row, o.weight);
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b <= a; ++b) A(a, b) += static_cast<double>(o.weight) * row[a] * row[b];
     right += static_cast<double>(o.weight) * static_cast<double>(o.distance) * row;
   }
   A.diagonal() *= 1.0005;  // round contours do not know their angle
@@ -127,14 +74,13 @@ double edge_score(const OrientationField& scene, const EdgePoints& e, const Leve
   return static_cast<double>(sum_edges(scene.view(), e.columns(), m) * e.norm / 127.f);
 }
 
-std::optional<Similarity> fit_contours(image::ImageView image, int level, const std::vector<ContourPoint>& points,
+std::optional<Similarity> fit_contours(image::ImageView image, int level, const ContourPoints& points,
                                        const Similarity& start, const ContourSearch& search, ContourScratch& scratch) {
   const double k = std::ldexp(1.0, level);
   Similarity s = start;
   float reach = search.radius_px;
   for (int i = 0; i < search.iterations; ++i, reach *= 0.7f) {
-    observe(image, points, at_level(s, level), static_cast<float>(s.scale), std::max(1.5f, reach), search.smooth,
-            scratch.seen);
+    observe(image, points, at_level(s, level), std::max(1.5f, reach), search.smooth, scratch);
     if (scratch.seen.size() < kFewestObservations) return {};
     const auto m = solve_robust(scratch);
     if (!m) return {};

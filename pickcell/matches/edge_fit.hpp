@@ -21,6 +21,7 @@ struct ContourScratch {
     float nx, ny;  ///< normal in the scene
     float rx, ry;  ///< place relative to the anchor in the scene
   };
+  std::vector<float> distance;
   std::vector<Observation> seen;
   std::vector<float> absolute;
 };
@@ -34,7 +35,7 @@ struct ContourSearch {
 /// Iterated: from each contour point look along the normal for the strongest edge, then fit a similarity to the
 /// distances (Tukey's biweight). None when too few points find an edge or the place runs away.
 [[nodiscard]] std::optional<Similarity> fit_contours(image::ImageView scene_level, int level,
-                                                     const std::vector<ContourPoint>& points, const Similarity& start,
+                                                     const ContourPoints& points, const Similarity& start,
                                                      const ContourSearch& search, ContourScratch& scratch);
 
 }  // namespace pickcell::matches

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "pickcell/matches/orientation_field.hpp"
 
@@ -35,6 +36,11 @@ std::vector<Item> strongest_per_cell(const std::vector<Item>& all, int max_items
   return chosen;
 }
 
+/// Zeros up to whole kPointBlocks, as the kernels want them.
+void pad(std::initializer_list<std::vector<float>*> columns) {
+  for (auto* c : columns) c->resize((c->size() + kPointBlock - 1) / kPointBlock * kPointBlock, 0.f);
+}
+
 struct Anchor {
   float x, y;
 };
@@ -60,7 +66,9 @@ struct EdgePoint {
   float c2, s2;
 };
 
-struct Found : ContourPoint {
+struct Found {
+  float x, y;
+  float nx, ny;
   float strength;
 };
 
@@ -123,12 +131,11 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
     ++out.count;
   }
   out.norm = sum > 0 ? 1 / sum : 0.f;
-  const std::size_t padded = (out.x.size() + kPointBlock - 1) / kPointBlock * kPointBlock;
-  for (auto* column : {&out.x, &out.y, &out.c2, &out.s2}) column->resize(padded, 0.f);
+  pad({&out.x, &out.y, &out.c2, &out.s2});
   return out;
 }
 
-std::vector<ContourPoint> choose_contour_points(const TemplatePyramid& t, int level, int max_points) {
+ContourPoints choose_contour_points(const TemplatePyramid& t, int level, int max_points) {
   const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
   const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutline_px);
   std::vector<Found> all;
@@ -138,10 +145,16 @@ std::vector<ContourPoint> choose_contour_points(const TemplatePyramid& t, int le
       if (wanted.at(x, y) && on_contour(l.grey.view(), x, y, f)) all.push_back(f);
     }
   const Anchor anchor = anchor_at(t, level);
-  std::vector<ContourPoint> out;
-  for (const Found& f :
-       strongest_per_cell(all, max_points, wanted.width(), wanted.height(), [](const Found& p) { return p.strength; }))
-    out.push_back({f.x - anchor.x, f.y - anchor.y, f.nx, f.ny});
+  ContourPoints out;
+  for (const Found& f : strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
+                                           [](const Found& p) { return p.strength; })) {
+    out.x.push_back(f.x - anchor.x);
+    out.y.push_back(f.y - anchor.y);
+    out.nx.push_back(f.nx);
+    out.ny.push_back(f.ny);
+    ++out.count;
+  }
+  pad({&out.x, &out.y, &out.nx, &out.ny});
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pickcell/matches/contour_kernel.hpp"
 #include "pickcell/matches/point_kernels.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
 
@@ -19,15 +20,19 @@ struct EdgePoints {
   [[nodiscard]] EdgeColumns columns() const { return {x.data(), y.data(), c2.data(), s2.data(), count}; }
 };
 
-/// A point on a contour, relative to the anchor, pixels of the level, with the unit normal along the gradient.
-struct ContourPoint {
-  float x, y;
-  float nx, ny;
+/// Points on contours, relative to the anchor, pixels of the level, with unit normals along the gradient. Columns as
+/// above.
+struct ContourPoints {
+  std::vector<float> x, y;
+  std::vector<float> nx, ny;
+  int count = 0;
+
+  [[nodiscard]] ContourColumns columns() const { return {x.data(), y.data(), nx.data(), ny.data(), count}; }
 };
 
 /// Both take the outline in: points up to 2 px outside the mask. Strongest point per grid cell, about max_points in
 /// all.
 [[nodiscard]] EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_points);
-[[nodiscard]] std::vector<ContourPoint> choose_contour_points(const TemplatePyramid& t, int level, int max_points);
+[[nodiscard]] ContourPoints choose_contour_points(const TemplatePyramid& t, int level, int max_points);
 
 }  // namespace pickcell::matches

@@ -11,22 +11,12 @@ constexpr double kSamePlace = 0.12;  // of the part's side
 constexpr double kSameAngle_rad = 0.2;
 constexpr double kLocation = 0.25;  // of the part's side: candidates here compete for one place
 constexpr int kPerLocation = 4;
+constexpr double kTopSlack = 0.25;  // of the score: what the levels below may still add
+constexpr double kMidSlack = 0.15;
+constexpr double kContender = 0.1;  // of the score: what the last polish may change
 
-RefineEffort effort_at(int level, bool first) {
-  RefineEffort e;
-  if (level > 0) {
-    e.grey_steps = first ? 4 : 2;
-    e.contour = {2, 2.5f, false};
-  } else {
-    e.grey_steps = 8;
-    e.stop_px = 0.01;
-    e.contour = {6, 3.f, true};
-    e.contour_from_best = true;
-    e.contour_margin = 0.02;
-    e.robust = true;
-  }
-  return e;
-}
+constexpr int kTopSteps = 4;  // Gauss-Newton steps at the level where a candidate is first refined ...
+constexpr int kMidSteps = 2;  // ... and at those below, where it is nearly there
 
 class Follower {
  public:
@@ -34,7 +24,7 @@ class Follower {
            std::vector<RefineScratch>& scratch)
       : model_(model), scene_(scene), request_(request), budget_(budget), scratch_(scratch) {}
 
-  Followed run(const std::vector<CoarseCandidate>& candidates, int from_level) {
+  Followed run(std::span<const CoarseCandidate> candidates, int from_level) {
     std::vector<Hypothesis> list;
     for (const CoarseCandidate& c : candidates) {
       Hypothesis h;
@@ -44,9 +34,11 @@ class Follower {
     }
     for (int l = from_level; l >= 1; --l) {
       refine_all(list, l, l == from_level, 0, list.size());
-      prune(list, l == from_level ? request_.keep_top : request_.keep_mid, request_.window);
+      const bool top = l == from_level;
+      prune(list, top ? request_.keep_top : request_.keep_mid, request_.window,
+            request_.floor - (top ? kTopSlack : kMidSlack));
     }
-    finish(list, from_level == 0);
+    last_level(list, from_level == 0);
     out_.found = std::move(list);
     return std::move(out_);
   }
@@ -56,13 +48,17 @@ class Follower {
   void refine_all(std::vector<Hypothesis>& list, int level, bool first, std::size_t begin, std::size_t end) {
     const SceneLevel scene = scene_.level(level);
     const LevelModel& model = model_.levels[static_cast<std::size_t>(level)];
-    const RefineEffort effort = effort_at(level, first);
     std::vector<char> done(end - begin, 0);
     parallel_for(static_cast<int>(end - begin), request_.threads, [&](int i, int worker) {
       // The first one is always done: a spent budget still gives the best answer there is.
       if (i > 0 && budget_.spent()) return;
       Hypothesis& h = list[begin + static_cast<std::size_t>(i)];
-      h = refine(scene, model, h.place, model_.scale, effort, scratch_[static_cast<std::size_t>(worker)]);
+      RefineScratch& scratch = scratch_[static_cast<std::size_t>(worker)];
+      if (first)
+        h = climb(scene, model, h.place, model_.scale, kTopSteps, scratch);
+      else if (level > 0)
+        h = climb(scene, model, h.place, model_.scale, kMidSteps, scratch);
+      if (level == 0) h = settle(scene, model, h.place, model_.scale, scratch);
       done[static_cast<std::size_t>(i)] = 1;
     });
     report(level, list, begin, end);
@@ -84,7 +80,7 @@ class Follower {
 
   /// Level 0. A single search stops at a sure result: the candidates come best first, and one batch is one decision, so
   /// that the answer does not depend on the threads.
-  void finish(std::vector<Hypothesis>& list, bool first) {
+  void last_level(std::vector<Hypothesis>& list, bool first) {
     std::size_t done = 0;
     const std::size_t all = list.size();
     if (!request_.several && all > 1) {
@@ -92,17 +88,33 @@ class Follower {
       done = 1;
       if (list[0].ncc >= request_.sure_ncc && list[0].edge >= request_.sure_edge) {
         list.resize(1);
+        polish_best(list);
         return;
       }
     }
     refine_all(list, 0, first, done, list.size());
-    prune(list, static_cast<int>(all), 10);
+    prune(list, static_cast<int>(all), 10, -10);
+    polish_best(list);
+  }
+
+  /// The contenders for a match; the order may change.
+  void polish_best(std::vector<Hypothesis>& list) {
+    if (list.empty()) return;
+    const double least = (request_.several ? request_.floor : list.front().score) - kContender;
+    const SceneLevel scene = scene_.level(0);
+    const LevelModel& model = model_.levels[0];
+    parallel_for(static_cast<int>(list.size()), request_.threads, [&](int i, int worker) {
+      Hypothesis& h = list[static_cast<std::size_t>(i)];
+      if (h.score >= least && (i == 0 || !budget_.spent()))
+        h = polish(scene, model, h, model_.scale, scratch_[static_cast<std::size_t>(worker)]);
+    });
+    sort_best_first(list);
   }
 
   void drop(const Hypothesis& h, RejectReason reason) { out_.dropped.push_back({h, reason, Stage::fine}); }
 
   /// Keeps the best, without doubles; every location keeps its own best when several parts are searched for.
-  void prune(std::vector<Hypothesis>& list, int keep, double window) {
+  void prune(std::vector<Hypothesis>& list, int keep, double window, double floor) {
     sort_best_first(list);
     std::vector<Hypothesis> kept;
     for (const Hypothesis& h : list) {
@@ -119,7 +131,7 @@ class Follower {
         drop(h, RejectReason::overlap);
       else if (static_cast<int>(kept.size()) >= keep || here >= kPerLocation)
         drop(h, RejectReason::limit);
-      else if (rival && h.score < rival->score - window)
+      else if (h.score < floor || (rival && h.score < rival->score - window))
         drop(h, RejectReason::score);
       else
         kept.push_back(h);
@@ -142,9 +154,8 @@ class Follower {
 
 }  // namespace
 
-Followed follow(const std::vector<CoarseCandidate>& candidates, const BestModel& model, int from_level,
-                BestScene& scene, const FollowRequest& request, WorkBudget& budget,
-                std::vector<RefineScratch>& scratch) {
+Followed follow(std::span<const CoarseCandidate> candidates, const BestModel& model, int from_level, BestScene& scene,
+                const FollowRequest& request, WorkBudget& budget, std::vector<RefineScratch>& scratch) {
   if (candidates.empty()) return {};
   return Follower(model, scene, request, budget, scratch).run(candidates, from_level);
 }

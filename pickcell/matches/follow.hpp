@@ -1,6 +1,7 @@
 #pragma once
 /// Follows the candidates of the coarse search down the pyramid, dropping the hopeless level by level.
 
+#include <span>
 #include <vector>
 
 #include "pickcell/matches/best_model.hpp"
@@ -22,6 +23,7 @@ struct FollowRequest {
   int keep_top = 12;
   int keep_mid = 4;
   double window = 0.3;   ///< single: below the best of all; several: below the best at the same location
+  double floor = -1;     ///< a result below this is of no use: dropped early, with some slack
   bool several = false;  ///< no location may push another out
   int threads = 1;
   double sure_ncc = 2;  ///< single: a result this good ends the search (with sure_edge)
@@ -35,7 +37,7 @@ struct Followed {
 };
 
 /// scratch: one per thread.
-[[nodiscard]] Followed follow(const std::vector<CoarseCandidate>& candidates, const BestModel& model, int from_level,
+[[nodiscard]] Followed follow(std::span<const CoarseCandidate> candidates, const BestModel& model, int from_level,
                               BestScene& scene, const FollowRequest& request, WorkBudget& budget,
                               std::vector<RefineScratch>& scratch);
 

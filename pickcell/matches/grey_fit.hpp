@@ -1,12 +1,10 @@
 #pragma once
 /// One Gauss-Newton step on grey values, and the correlation at the place where it was taken.
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "pickcell/image/image.hpp"
 #include "pickcell/matches/grey_points.hpp"
 #include "pickcell/matches/similarity.hpp"
+#include "pickcell/matches/weighted_fit.hpp"
 
 namespace pickcell::matches {
 
@@ -20,36 +18,21 @@ struct GreyFit {
   Increment step;  ///< d; dx, dy in pixels of the level
 };
 
-/// Buffers of one worker.
-struct GreyScratch {
-  std::vector<float> scene;
-  std::vector<float> weight;
-};
-
 /// The normal matrix is constant when every point is inside the picture; otherwise the points outside are left out and
 /// the matrix is summed anew. Source: Baker & Matthews, Lucas-Kanade 20 years on (inverse compositional), with gain and
 /// offset.
 [[nodiscard]] GreyFit fit_grey(image::ImageView level, const GreyPoints& points, const LevelMap& map,
-                               GreyScratch& scratch);
+                               WeightedSamples& scratch);
 
 /// The same with the outliers of a first fit weighed down (Tukey's biweight, cut at 4 robust standard deviations),
 /// which an occluder or a highlight makes necessary. ncc, inside and contrast stay those of all points inside the
 /// picture.
 [[nodiscard]] GreyFit fit_grey_robust(image::ImageView level, const GreyPoints& points, const LevelMap& map,
-                                      GreyScratch& scratch);
+                                      WeightedSamples& scratch);
 
 /// The step with its rim movement limited to limit_px pixels of the level.
 [[nodiscard]] Increment limited(const Increment& step, float radius, double limit_px);
 /// How far the step moves the part's rim, pixels of the level.
 [[nodiscard]] double rim_movement(const Increment& step, float radius);
-
-/// What the residuals at a place say: how much of the part agrees and how certain the pose is.
-struct FitQuality {
-  double visible = 0;  ///< share of all points inside the picture whose residual is small
-  double noise = 0;    ///< standard deviation of the residuals of those points, grey values
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (dx, dy, turn, growth), pixels of the level
-};
-[[nodiscard]] FitQuality judge_fit(image::ImageView level, const GreyPoints& points, const LevelMap& map,
-                                   GreyScratch& scratch);
 
 }  // namespace pickcell::matches

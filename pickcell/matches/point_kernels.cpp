@@ -5,66 +5,17 @@
 #define HWY_TARGET_INCLUDE "pickcell/matches/point_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "pickcell/matches/gather-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace pickcell::matches::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-// At most 16 lanes: the promise of kPointBlock.
-using DF = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-
-struct Place {
-  VF x, y;
-};
 
 HWY_INLINE Place place_of(const float* qx, const float* qy, const LevelMap& m) {
   const DF d;
   const VF a = hn::Set(d, m.a), b = hn::Set(d, m.b);
   const VF x = hn::LoadU(d, qx), y = hn::LoadU(d, qy);
   return {hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Set(d, m.x))), hn::MulAdd(a, y, hn::NegMulAdd(b, x, hn::Set(d, m.y)))};
-}
-
-/// 0 <= v <= hi; not-a-number becomes a number.
-HWY_INLINE VF clamped(VF v, float hi) { return hn::Min(hn::Max(v, hn::Zero(DF())), hn::Set(DF(), hi)); }
-
-struct Corner {
-  VI x, y;    ///< whole part, at most size - 2
-  VF fx, fy;  ///< the rest, 0..1
-};
-
-HWY_INLINE Corner corner_of(const Place& p, int width, int height) {
-  const DI di;
-  const DF d;
-  const VF x = clamped(p.x, static_cast<float>(width - 1));
-  const VF y = clamped(p.y, static_cast<float>(height - 1));
-  const VI ix = hn::Min(hn::ConvertTo(di, x), hn::Set(di, width - 2));
-  const VI iy = hn::Min(hn::ConvertTo(di, y), hn::Set(di, height - 2));
-  return {ix, iy, hn::Sub(x, hn::ConvertTo(d, ix)), hn::Sub(y, hn::ConvertTo(d, iy))};
-}
-
-/// Four bytes from each place.
-HWY_INLINE VI four_bytes(const void* base, VI offset) {
-  return hn::GatherOffset(DI(), static_cast<const std::int32_t*>(base), offset);
-}
-
-HWY_INLINE VF blend(VF a, VF b, VF f) { return hn::MulAdd(f, hn::Sub(b, a), a); }
-
-/// Bilinear grey values.
-HWY_INLINE VF sample(image::ImageView p, const Place& place) {
-  const DI di;
-  const DF d;
-  const Corner c = corner_of(place, p.width(), p.height());
-  const VI offset = hn::Add(hn::Mul(c.y, hn::Set(di, static_cast<std::int32_t>(p.stride()))), c.x);
-  const VI byte = hn::Set(di, 255);
-  const VI up = four_bytes(p.row(0), offset);
-  const VI down = four_bytes(p.row(1), offset);
-  const auto first = [&](VI v) HWY_ATTR { return hn::ConvertTo(d, hn::And(v, byte)); };
-  const auto second = [&](VI v) HWY_ATTR { return hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(v), byte)); };
-  return blend(blend(first(up), second(up), c.fx), blend(first(down), second(down), c.fx), c.fy);
 }
 
 /// 1 for the first `count` lanes, else 0.
@@ -113,6 +64,39 @@ void sample_points_impl(image::ImageView picture, const PointColumns& points, co
   }
 }
 
+/// One row of the normal matrix from column a on, and its right side; a row at a time keeps the sums in registers.
+template <int a>
+HWY_INLINE float* sum_row(const PointColumns& points, const float* s, const float* weight, float* products,
+                          float* right) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const float* const columns[6] = {nullptr, points.t, points.j[0], points.j[1], points.j[2], points.j[3]};
+  const VF mid = hn::Set(d, 128.f);
+  VF sum[6];
+  for (int b = a; b < 6; ++b) sum[b] = hn::Zero(d);
+  VF scene = hn::Zero(d);
+  for (int i = 0; i < points.count; i += lanes) {
+    VF wa = hn::LoadU(d, weight + i);
+    if constexpr (a > 0) wa = hn::Mul(wa, hn::LoadU(d, columns[a] + i));
+    scene = hn::MulAdd(wa, hn::Sub(hn::LoadU(d, s + i), mid), scene);
+    for (int b = a; b < 6; ++b)
+      sum[b] = b == 0 ? hn::Add(sum[0], wa) : hn::MulAdd(wa, hn::LoadU(d, columns[b] + i), sum[b]);
+  }
+  for (int b = a; b < 6; ++b) *products++ = hn::GetLane(hn::SumOfLanes(d, sum[b]));
+  *right = hn::GetLane(hn::SumOfLanes(d, scene));
+  return products;
+}
+
+void sum_weighted_impl(const PointColumns& points, const float* s, const float* weight, float* sums) {
+  float* const right = sums + 21;
+  sums = sum_row<0>(points, s, weight, sums, right);
+  sums = sum_row<1>(points, s, weight, sums, right + 1);
+  sums = sum_row<2>(points, s, weight, sums, right + 2);
+  sums = sum_row<3>(points, s, weight, sums, right + 3);
+  sums = sum_row<4>(points, s, weight, sums, right + 4);
+  sum_row<5>(points, s, weight, sums, right + 5);
+}
+
 float sum_edges_impl(image::View<std::int8_t> field, const EdgeColumns& e, const LevelMap& m) {
   const DF d;
   const DI di;
@@ -157,6 +141,7 @@ namespace pickcell::matches {
 
 HWY_EXPORT(sum_points_impl);
 HWY_EXPORT(sample_points_impl);
+HWY_EXPORT(sum_weighted_impl);
 HWY_EXPORT(sum_edges_impl);
 
 PointSums sum_points(image::ImageView picture, const PointColumns& points, const LevelMap& map) {
@@ -167,6 +152,10 @@ PointSums sum_points(image::ImageView picture, const PointColumns& points, const
 
 void sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight) {
   HWY_DYNAMIC_DISPATCH(sample_points_impl)(picture, points, map, s, weight);
+}
+
+void sum_weighted(const PointColumns& points, const float* s, const float* weight, float* sums) {
+  HWY_DYNAMIC_DISPATCH(sum_weighted_impl)(points, s, weight, sums);
 }
 
 float sum_edges(image::View<std::int8_t> field, const EdgeColumns& points, const LevelMap& map) {

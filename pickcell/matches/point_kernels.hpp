@@ -34,6 +34,10 @@ struct PointSums {
 /// s of every point, and weight 1 inside the picture, 0 outside (s is then that of the border). Writes whole blocks.
 void sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight);
 
+/// Weighted sums of products of the columns c = (1, t, j0, j1, j2, j3) and the scene: sums[0..20] = sum w c_a c_b for a
+/// <= b in row order, sums[21..26] = sum w c_a (s - 128). Weights of the padding must be 0.
+void sum_weighted(const PointColumns& points, const float* s, const float* weight, float* sums);
+
 /// Columns of edge points: place and field.
 struct EdgeColumns {
   const float* x;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pickcell::matches {
 namespace {
@@ -9,9 +10,12 @@ namespace {
 constexpr double kScaleSlack = 0.05;
 constexpr double kStepLimit_px = 2.0;  // of the rim, pixels of the level
 constexpr double kRunAway_px = 4.0;    // pixels of the level
+constexpr int kFinalSteps = 8;
+constexpr double kFinalStop_px = 0.01;   // rim movement at which Gauss-Newton has arrived
+constexpr double kClearlyBetter = 0.02;  // of the score
 constexpr double kRobustBelowNcc = 0.92;
-constexpr int kRobustSteps = 6;
-constexpr double kEdgeTolerance = 0.02;  // of the score
+constexpr ContourSearch kClimbContour{2, 2.5f, false};
+constexpr ContourSearch kFinalContour{6, 3.f, true};
 
 Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Similarity& place, const GreyFit& fit) {
   Hypothesis h;
@@ -25,52 +29,66 @@ Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Simila
   return h;
 }
 
-/// One chain of Gauss-Newton steps; keeps the best place in `best`.
+/// Gauss-Newton at one level.
 class Descent {
  public:
   Descent(const SceneLevel& scene, const LevelModel& model, Range scale, RefineScratch& scratch)
-      : scene_(scene), model_(model), scale_(scale), by_ncc_(scene.level == 0), scratch_(scratch) {}
+      : scene_(scene), model_(model), scale_(scale), scratch_(scratch) {}
 
-  void run(const Similarity& start, int steps, double stop_px, bool robust, Hypothesis& best) {
+  using Fit = GreyFit (*)(image::ImageView, const GreyPoints&, const LevelMap&, WeightedSamples&);
+
+  /// Takes up to `steps` steps, fewer when they become small; calls seen(place, fit) before each and at the end.
+  template <class Seen>
+  void run(const Similarity& start, int steps, double stop_px, Fit fit_once, Seen seen) {
     Similarity s = start;
-    for (int i = 0; i <= steps; ++i) {
-      const LevelMap map = at_level(s, scene_.level);
-      const GreyFit fit = robust && i < steps ? fit_grey_robust(scene_.grey, model_.grey, map, scratch_.grey)
-                                              : fit_grey(scene_.grey, model_.grey, map, scratch_.grey);
-      const Hypothesis h = judged(scene_, model_, s, fit);
-      keep_better(h, best);
-      if (i == steps || !fit.can_step || arrived_) return;
-      s = stepped(s, fit.step, stop_px);
+    bool arrived = false;
+    for (int i = 0;; ++i) {
+      const bool last = i == steps || arrived;
+      const GreyFit fit =
+          (last ? fit_grey : fit_once)(scene_.grey, model_.grey, at_level(s, scene_.level), scratch_.grey);
+      seen(s, fit);
+      if (last || !fit.can_step) return;
+      const Increment d = limited(fit.step, model_.grey.radius, kStepLimit_px);
+      arrived = std::ldexp(rim_movement(d, model_.grey.radius), scene_.level) < stop_px;
+      s = stepped(s, d);
       const double moved = std::ldexp(std::hypot(s.x_px - start.x_px, s.y_px - start.y_px), -scene_.level);
       if (moved > kRunAway_px) return;
     }
   }
 
- private:
-  void keep_better(const Hypothesis& h, Hypothesis& best) const {
-    const bool exacter = by_ncc_ && best.score > -2 && h.ncc > best.ncc && h.score > best.score - kEdgeTolerance;
-    const bool preferred = by_ncc_ ? h.score > best.score + kEdgeTolerance : h.score > best.score;
-    if (exacter || preferred) best = h;
+  /// The last place of the chain, judged.
+  Hypothesis end_of(const Similarity& start, Fit fit_once) {
+    std::pair<Similarity, GreyFit> last;
+    run(start, kFinalSteps, kFinalStop_px, fit_once, [&](const Similarity& s, const GreyFit& f) { last = {s, f}; });
+    return judged(scene_, model_, last.first, last.second);
   }
 
-  Similarity stepped(const Similarity& s, const Increment& full, double stop_px) {
-    Increment d = limited(full, model_.grey.radius, kStepLimit_px);
-    arrived_ = std::ldexp(rim_movement(d, model_.grey.radius), scene_.level) < stop_px;
+  [[nodiscard]] Similarity in_range(Similarity s) const {
+    s.scale = std::clamp(s.scale, scale_.lo * (1 - kScaleSlack), scale_.hi * (1 + kScaleSlack));
+    return s;
+  }
+
+ private:
+  [[nodiscard]] Similarity stepped(const Similarity& s, Increment d) const {
     d.dx = std::ldexp(d.dx, scene_.level);
     d.dy = std::ldexp(d.dy, scene_.level);
-    Similarity r = compose_inverse(s, d);
-    r.scale = std::clamp(r.scale, scale_.lo * (1 - kScaleSlack), scale_.hi * (1 + kScaleSlack));
-    return r;
+    return in_range(compose_inverse(s, d));
   }
 
   const SceneLevel& scene_;
   const LevelModel& model_;
   Range scale_;
-  /// At level 0 the correlation decides between places of about the same score: it has the sharper peak.
-  bool by_ncc_;
   RefineScratch& scratch_;
-  bool arrived_ = false;
 };
+
+void keep_better(const Hypothesis& h, Hypothesis& best) {
+  if (h.score > best.score) best = h;
+}
+
+/// An estimate that is more exact by its nature replaces one of about the same score.
+void prefer(const Hypothesis& exact, Hypothesis& best) {
+  if (exact.score > best.score - kClearlyBetter) best = exact;
+}
 
 }  // namespace
 
@@ -80,20 +98,39 @@ Hypothesis evaluate(const SceneLevel& scene, const LevelModel& model, const Simi
   return judged(scene, model, place, fit_grey(scene.grey, model.grey, at_level(place, scene.level), scratch.grey));
 }
 
-Hypothesis refine(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
-                  const RefineEffort& effort, RefineScratch& scratch) {
+Hypothesis climb(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale, int grey_steps,
+                 RefineScratch& scratch) {
+  Descent descent(scene, model, scale, scratch);
   Hypothesis best;
   best.score = -2;
-  Descent(scene, model, scale, scratch).run(start, effort.grey_steps, effort.stop_px, false, best);
-  const Similarity from = effort.contour_from_best ? best.place : start;
-  if (const auto moved = fit_contours(scene.grey, scene.level, model.contours, from, effort.contour, scratch.contour)) {
-    Similarity s = *moved;
-    s.scale = std::clamp(s.scale, scale.lo * (1 - kScaleSlack), scale.hi * (1 + kScaleSlack));
-    const Hypothesis h = evaluate(scene, model, s, scratch);
-    if (h.score > best.score + effort.contour_margin) best = h;
+  descent.run(start, grey_steps, 0, fit_grey,
+              [&](const Similarity& s, const GreyFit& f) { keep_better(judged(scene, model, s, f), best); });
+  if (const auto moved = fit_contours(scene.grey, scene.level, model.contours, start, kClimbContour, scratch.contour))
+    keep_better(evaluate(scene, model, descent.in_range(*moved), scratch), best);
+  return best;
+}
+
+Hypothesis settle(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
+                  RefineScratch& scratch) {
+  Descent descent(scene, model, scale, scratch);
+  const Hypothesis first = evaluate(scene, model, start, scratch);
+  Hypothesis best = first;
+  prefer(descent.end_of(start, fit_grey), best);
+  if (const auto moved = fit_contours(scene.grey, 0, model.contours, best.place, kFinalContour, scratch.contour)) {
+    const Hypothesis h = evaluate(scene, model, descent.in_range(*moved), scratch);
+    if (h.score > best.score + kClearlyBetter) {
+      best = h;
+      prefer(descent.end_of(best.place, fit_grey), best);
+    }
   }
-  if (effort.robust && best.ncc < kRobustBelowNcc)
-    Descent(scene, model, scale, scratch).run(best.place, kRobustSteps, effort.stop_px, true, best);
+  return best.score < first.score && best.ncc < first.ncc ? first : best;
+}
+
+Hypothesis polish(const SceneLevel& scene, const LevelModel& model, const Hypothesis& settled, Range scale,
+                  RefineScratch& scratch) {
+  if (settled.ncc >= kRobustBelowNcc) return settled;
+  Hypothesis best = settled;
+  prefer(Descent(scene, model, scale, scratch).end_of(settled.place, fit_grey_robust), best);
   return best;
 }
 

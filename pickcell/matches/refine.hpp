@@ -18,7 +18,7 @@ namespace pickcell::matches {
 struct LevelModel {
   GreyPoints grey;
   EdgePoints edges;
-  std::vector<ContourPoint> contours;
+  ContourPoints contours;
 };
 
 /// A place and what speaks for it, both measured there.
@@ -44,27 +44,28 @@ struct SceneLevel {
 };
 
 struct RefineScratch {
-  GreyScratch grey;
+  WeightedSamples grey;
   ContourScratch contour;
-};
-
-struct RefineEffort {
-  int grey_steps = 4;
-  double stop_px = 0;  ///< rim movement below which Gauss-Newton stops, pixels of level 0
-  ContourSearch contour;
-  /// How much better the contour fit must score to be preferred: at a good place grey values are the more exact
-  /// measure.
-  double contour_margin = 0;
-  bool contour_from_best = false;  ///< else from the start: a second, independent try
-  bool robust = false;             ///< also try a fit without outliers where the correlation is poor
 };
 
 /// NCC, edge score and their combination at a place.
 [[nodiscard]] Hypothesis evaluate(const SceneLevel& scene, const LevelModel& model, const Similarity& place,
                                   RefineScratch& scratch);
 
-/// The best place on the way from start, start included. The scale stays within the range widened by 5 %.
-[[nodiscard]] Hypothesis refine(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
-                                const RefineEffort& effort, RefineScratch& scratch);
+/// On the way down: some Gauss-Newton steps and, independently, a contour fit from the same start; the best-scored
+/// place of all, start included. The scale stays within the range widened by 5 %, here and in settle().
+[[nodiscard]] Hypothesis climb(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
+                               int grey_steps, RefineScratch& scratch);
+
+/// At level 0: Gauss-Newton to its end; a contour fit where that scores clearly better; a fit without outliers where
+/// the correlation is poor (occlusion). Among places of about the same score the more exact estimate is kept; never one
+/// whose score and correlation are both lower than the start's.
+[[nodiscard]] Hypothesis settle(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
+                                RefineScratch& scratch);
+
+/// At level 0, from where settle() ended: where the correlation is poor (occlusion, highlights) a fit without outliers,
+/// kept unless its score is clearly lower.
+[[nodiscard]] Hypothesis polish(const SceneLevel& scene, const LevelModel& model, const Hypothesis& settled,
+                                Range scale, RefineScratch& scratch);
 
 }  // namespace pickcell::matches

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "pickcell/matches/fit_quality.hpp"
+
 namespace pickcell::matches {
 namespace {
 
@@ -69,16 +71,11 @@ void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
 void Selection::resolve_symmetry(Entry& e) {
   const Hypothesis first = e.h;
   std::vector<Hypothesis> tries{first};
-  RefineEffort effort;
-  effort.grey_steps = 6;
-  effort.stop_px = 0.01;
-  effort.contour = {3, 2.f, true};
-  effort.contour_from_best = true;
   for (double offset : e.model->model->learnt.ambiguous_deg) {
     Similarity s = first.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
     if (!angle_allowed(s.angle_rad * kDegPerRad, options_.angle_deg.value_or(e.model->model->angle_deg))) continue;
-    tries.push_back(refine(scene_.level(0), e.model->levels[0], s, e.model->scale, effort, scratch_));
+    tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
   const auto best =
       std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });

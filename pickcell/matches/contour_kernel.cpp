@@ -1,0 +1,126 @@
+#include "pickcell/matches/contour_kernel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pickcell/matches/contour_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include "pickcell/matches/gather-inl.hpp"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace pickcell::matches::HWY_NAMESPACE {
+
+constexpr int kMostSamples = 41;
+constexpr float kLeastSlope = 5.f;  // grey values, see slope()
+
+/// Grey values along the normals of one block of points, `half` samples to each side.
+struct Profiles {
+  VF grey[kMostSamples];
+  int count;
+
+  HWY_INLINE void read(image::ImageView picture, const Place& at, const Place& normal, int half, bool smooth) {
+    const DF d;
+    count = 2 * half + 1;
+    for (int i = 0; i < count; ++i) {
+      const VF t = hn::Set(d, static_cast<float>(i - half) * kNormalStep_px);
+      const Place p{hn::MulAdd(normal.x, t, at.x), hn::MulAdd(normal.y, t, at.y)};
+      grey[i] = sample(picture, p);
+      if (!smooth) continue;
+      const VF a = sample(picture, {hn::Sub(p.x, normal.y), hn::Add(p.y, normal.x)});
+      const VF b = sample(picture, {hn::Add(p.x, normal.y), hn::Sub(p.y, normal.x)});
+      grey[i] = hn::MulAdd(hn::Set(d, 0.25f), hn::Add(a, b), hn::Mul(hn::Set(d, 0.5f), grey[i]));
+    }
+  }
+
+  /// |derivative|, a little smoothed; about two grey values for one per pixel.
+  HWY_INLINE VF slope(int i) const {
+    const VF wide = hn::Mul(hn::Set(DF(), 0.5f), hn::Sub(grey[i + 2], grey[i - 2]));
+    return hn::Abs(hn::Add(hn::Sub(grey[i + 1], grey[i - 1]), wide));
+  }
+};
+
+/// The steepest of the local maxima so far, lane by lane.
+struct Steepest {
+  VF value, t, before, here, after;
+
+  HWY_INLINE void clear() {
+    value = before = here = after = hn::Zero(DF());
+    t = hn::Set(DF(), kNoEdge);
+  }
+  HWY_INLINE void offer(VF s0, VF s1, VF s2, float t_px, float reach_px) {
+    const DF d;
+    const VF worth = hn::Mul(s1, hn::Set(d, 1 - 0.5f * std::abs(t_px) / (reach_px + kNormalStep_px)));
+    const auto better = hn::And(hn::And(hn::Ge(s1, s0), hn::Ge(s1, s2)), hn::Gt(worth, value));
+    value = hn::IfThenElse(better, worth, value);
+    t = hn::IfThenElse(better, hn::Set(d, t_px), t);
+    before = hn::IfThenElse(better, s0, before);
+    here = hn::IfThenElse(better, s1, here);
+    after = hn::IfThenElse(better, s2, after);
+  }
+  /// The vertex of the parabola through the three slopes.
+  HWY_INLINE VF distance(float reach_px) const {
+    const DF d;
+    const VF none = hn::Set(d, kNoEdge);
+    const VF bend = hn::Sub(hn::Add(before, after), hn::Add(here, here));
+    const VF shift =
+        hn::Div(hn::Mul(hn::Set(d, 0.5f * kNormalStep_px), hn::Sub(before, after)), hn::Min(bend, hn::Set(d, -1e-6f)));
+    const VF at = hn::Add(t, shift);
+    const auto good = hn::And(hn::Ge(here, hn::Set(d, kLeastSlope)), hn::Le(hn::Abs(at), hn::Set(d, reach_px)));
+    return hn::IfThenElse(good, at, none);
+  }
+};
+
+void find_edges_impl(image::ImageView picture, const ContourColumns& c, const LevelMap& m, float reach_px, bool smooth,
+                     float* distance) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int half = std::min(kMostSamples / 2, static_cast<int>(std::ceil(reach_px / kNormalStep_px)) + 3);
+  const float scale = std::sqrt(m.a * m.a + m.b * m.b);
+  const VF a = hn::Set(d, m.a), b = hn::Set(d, m.b), unit = hn::Set(d, 1 / scale);
+  const float far = static_cast<float>(half + 1) * kNormalStep_px + (smooth ? 1.f : 0.f);
+  const VF lo = hn::Set(d, far);
+  const VF hi_x = hn::Set(d, static_cast<float>(picture.width() - 1) - far);
+  const VF hi_y = hn::Set(d, static_cast<float>(picture.height() - 1) - far);
+  for (int i = 0; i < c.count; i += lanes) {
+    const VF x = hn::LoadU(d, c.x + i), y = hn::LoadU(d, c.y + i);
+    const VF nx = hn::LoadU(d, c.nx + i), ny = hn::LoadU(d, c.ny + i);
+    const Place at{hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Set(d, m.x))),
+                   hn::MulAdd(a, y, hn::NegMulAdd(b, x, hn::Set(d, m.y)))};
+    const Place normal{hn::Mul(unit, hn::MulAdd(a, nx, hn::Mul(b, ny))),
+                       hn::Mul(unit, hn::NegMulAdd(b, nx, hn::Mul(a, ny)))};
+    Profiles profiles;
+    profiles.read(picture, at, normal, half, smooth);
+    Steepest best;
+    best.clear();
+    VF s0 = profiles.slope(2), s1 = profiles.slope(3);
+    for (int k = 3; k + 3 < profiles.count; ++k) {
+      const VF s2 = profiles.slope(k + 1);
+      best.offer(s0, s1, s2, static_cast<float>(k - half) * kNormalStep_px, reach_px);
+      s0 = s1;
+      s1 = s2;
+    }
+    const auto in_x = hn::And(hn::Ge(at.x, lo), hn::Le(at.x, hi_x));
+    const auto in_y = hn::And(hn::Ge(at.y, lo), hn::Le(at.y, hi_y));
+    hn::StoreU(hn::IfThenElse(hn::And(in_x, in_y), best.distance(reach_px), hn::Set(d, kNoEdge)), d, distance + i);
+  }
+}
+
+}  // namespace pickcell::matches::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pickcell::matches {
+
+HWY_EXPORT(find_edges_impl);
+
+void find_edges(image::ImageView picture, const ContourColumns& points, const LevelMap& map, float reach_px,
+                bool smooth, float* distance) {
+  HWY_DYNAMIC_DISPATCH(find_edges_impl)(picture, points, map, reach_px, smooth, distance);
+}
+
+}  // namespace pickcell::matches
+#endif

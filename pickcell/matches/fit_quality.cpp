@@ -1,0 +1,58 @@
+#include "pickcell/matches/fit_quality.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace pickcell::matches {
+namespace {
+
+constexpr double kAgreeSigmas = 3;
+constexpr double kAgreeContrast = 0.5;  // a residual below half the part's own contrast agrees in any case
+constexpr int kFewestPoints = 12;
+constexpr double kLeastGain = 0.02;
+
+/// The fit without outliers at a place that is not moved any more.
+WeightedSolution robust_solution(const GreyPoints& p, WeightedSamples& samples) {
+  WeightedSolution s = solve_weighted(p, samples);
+  for (int round = 0; round < 2 && s.ok; ++round) {
+    weigh_by_residual(p, s, 4 * robust_noise(p, samples, s), samples);
+    const WeightedSolution better = solve_weighted(p, samples);
+    if (better.ok) s = better;
+  }
+  return s;
+}
+
+}  // namespace
+
+FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const LevelMap& m, WeightedSamples& samples) {
+  FitQuality q;
+  read_samples(level, p, m, samples);
+  const WeightedSolution s = robust_solution(p, samples);
+  if (!s.ok) return q;
+  const double contrast = std::abs(s.gain) * std::sqrt(p.energy / p.size());
+  const double noise = static_cast<double>(robust_noise(p, samples, s));
+  const auto limit = static_cast<float>(std::max(kAgreeSigmas * noise, kAgreeContrast * contrast));
+  int agree = 0;
+  double square = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
+    if (samples.weight[i] == 0.f) continue;
+    const float r = samples.scene[i] - static_cast<float>(s.offset) - static_cast<float>(s.gain) * p.t[i];
+    samples.weight[i] = std::abs(r) <= limit ? 1.f : 0.f;
+    if (samples.weight[i] == 0.f) continue;
+    ++agree;
+    square += static_cast<double>(r) * static_cast<double>(r);
+  }
+  q.visible = static_cast<double>(agree) / p.size();
+  if (agree < kFewestPoints || s.gain <= kLeastGain) return q;
+  q.noise = std::sqrt(square / (agree - 6));
+  Vector6 unused;
+  const Eigen::FullPivLU<Matrix6> lu(weighted_normal(p, samples, unused));
+  if (!lu.isInvertible()) return q;
+  // Samples of dense points share pixels: they are fewer independent values than points.
+  const double shared = 1 + 1.25 / p.pixels_per_point;
+  q.covariance = lu.inverse().bottomRightCorner<4, 4>() * (q.noise * q.noise * shared / (s.gain * s.gain));
+  return q;
+}
+
+}  // namespace pickcell::matches

@@ -1,0 +1,23 @@
+#pragma once
+/// What the residuals at a place say: how much of the part agrees, and how certain the pose is.
+
+#include <Eigen/Core>
+
+#include "pickcell/image/image.hpp"
+#include "pickcell/matches/grey_points.hpp"
+#include "pickcell/matches/similarity.hpp"
+#include "pickcell/matches/weighted_fit.hpp"
+
+namespace pickcell::matches {
+
+struct FitQuality {
+  double visible = 0;  ///< share of all points that are inside the picture and whose residual is small
+  double noise = 0;    ///< standard deviation of the residuals of those points, grey values
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (dx, dy, turn, growth), pixels of the level
+};
+
+/// covariance = noise^2 / gain^2 * inverse of the normal matrix of the agreeing points, offset and gain eliminated.
+[[nodiscard]] FitQuality judge_fit(image::ImageView level, const GreyPoints& points, const LevelMap& map,
+                                   WeightedSamples& scratch);
+
+}  // namespace pickcell::matches
