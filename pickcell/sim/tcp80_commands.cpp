@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -13,12 +12,17 @@
 #include "pickcell/sim/controller_commands.hpp"
 #include "pickcell/sim/controller_contacts.hpp"
 #include "pickcell/sim/position_solver.hpp"
+#include "pickcell/sim/tcp80_fields.hpp"
 
 namespace pickcell::sim {
 
 namespace {
 
 using Fields = std::vector<std::string_view>;
+using tcp80_fields::number;
+using tcp80_fields::split;
+using tcp80_fields::trimmed;
+using tcp80_fields::whole;
 
 /// Data of a reading command, or the refusal.
 struct Outcome {
@@ -27,41 +31,6 @@ struct Outcome {
   Outcome(Refusal r) : refusal(r) {}                    // NOLINT: every command returns one or the other
   Outcome(std::string text) : data(std::move(text)) {}  // NOLINT
 };
-
-bool padding(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0'; }
-
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && padding(s.front())) s.remove_prefix(1);
-  while (!s.empty() && padding(s.back())) s.remove_suffix(1);
-  return s;
-}
-
-Fields split(std::string_view operands) {
-  Fields fields;
-  std::string_view rest = trimmed(operands);
-  if (rest.empty()) return fields;
-  while (true) {
-    const std::size_t comma = rest.find(',');
-    fields.push_back(trimmed(rest.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
-    rest.remove_prefix(comma + 1);
-  }
-}
-
-std::optional<double> number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double v = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v, std::chars_format::fixed);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(v)) return std::nullopt;
-  return v;
-}
-
-/// A whole number within low..high; `1.000` counts as 1.
-std::optional<std::int32_t> whole(std::string_view text, double low, double high) {
-  const auto v = number(text);
-  if (!v || *v < low || *v > high || *v != std::floor(*v)) return std::nullopt;
-  return static_cast<std::int32_t>(*v);
-}
 
 template <class... Args>
 std::string format(const char* pattern, Args... args) {
