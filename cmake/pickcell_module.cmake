@@ -34,7 +34,7 @@ function(pickcell_module NAME)
 endfunction()
 
 # pickcell_test(NAME LABEL unit|data|... SOURCES file... [LIBS lib...] [TIMEOUT_S n]): a GoogleTest program. Skipped tests are
-# reported as skipped by CTest.
+# reported as skipped by CTest; tests_LABEL builds all programs of a label.
 function(pickcell_test NAME)
   cmake_parse_arguments(T "" "LABEL;TIMEOUT_S" "SOURCES;LIBS" ${ARGN})
   if(NOT T_TIMEOUT_S)
@@ -45,6 +45,10 @@ function(pickcell_test NAME)
   target_precompile_headers(${NAME} PRIVATE <gtest/gtest.h> <gmock/gmock.h>)
   target_compile_definitions(${NAME} PRIVATE PICKCELL_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   pickcell_warnings(${NAME})
+  if(NOT TARGET tests_${T_LABEL})
+    add_custom_target(tests_${T_LABEL})  # all programs of one label, for ./check --label
+  endif()
+  add_dependencies(tests_${T_LABEL} ${NAME})
   include(GoogleTest)
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
