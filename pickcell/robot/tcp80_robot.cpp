@@ -68,8 +68,8 @@ Tcp80Robot::Tcp80Robot(Tcp80RobotSettings settings, Journal& journal, const core
       session_(registers_, journal, clock) {
   if (settings_.tool < 0 || settings_.tool > kMaxTool) throw std::invalid_argument("tool number outside 0..63");
   if (settings_.frame < 0 || settings_.frame > 65) throw std::invalid_argument("frame number outside 0..65");
-  if (settings_.first_variable < 0 || settings_.first_variable > 95)
-    throw std::invalid_argument("first variable outside 0..95");
+  if (settings_.first_variable < 1 || settings_.first_variable > 86)
+    throw std::invalid_argument("first variable outside 1..86");
 }
 
 core::Status Tcp80Robot::connect(core::Seat& seat) {
