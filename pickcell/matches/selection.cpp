@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pickcell/matches/fit_quality.hpp"
+#include "pickcell/matches/turns.hpp"
 
 namespace pickcell::matches {
 namespace {
@@ -15,6 +16,10 @@ constexpr double kScaleSlack = 0.03;
 constexpr double kLeastContrast = 2;  // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
+constexpr double kSameTurn_deg = 4;
+constexpr double kMayRise = 0.15;         // of the score, by another angle
+constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
+constexpr std::size_t kContenders = 3;  // of a single search
 
 bool angle_allowed(double angle_deg, Range range) {
   const double width = range.hi - range.lo + 2 * kAngleSlack_deg;
@@ -43,6 +48,10 @@ bool better(const Hypothesis& a, int model_a, const Hypothesis& b, int model_b) 
   return std::tie(model_a, a.place.y_px, a.place.x_px) < std::tie(model_b, b.place.y_px, b.place.x_px);
 }
 
+bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
+  return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < 0.12 * side_px;
+}
+
 }  // namespace
 
 Selection::Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings,
@@ -67,23 +76,41 @@ void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
   if (!known) e.ambiguous_deg.push_back(wrap_deg(offset_deg));
 }
 
-/// Tries the angles at which teaching saw the same part again, takes the best and notes the ones as good.
-void Selection::resolve_symmetry(Entry& e) {
-  const Hypothesis first = e.h;
-  std::vector<Hypothesis> tries{first};
+/// Tries the angles at which teaching saw the same part again and, unless the result is sure, all others; takes the
+/// best and notes the ones as good.
+void Selection::resolve_angle(Entry& e) {
+  const Range allowed = options_.angle_deg.value_or(e.model->model->angle_deg);
+  std::vector<Hypothesis> tries{e.h};
   for (double offset : e.model->model->learnt.ambiguous_deg) {
-    Similarity s = first.place;
+    Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
-    if (!angle_allowed(s.angle_rad * kDegPerRad, options_.angle_deg.value_or(e.model->model->angle_deg))) continue;
-    tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
+    if (angle_allowed(s.angle_rad * kDegPerRad, allowed))
+      tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
+  if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
+    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_))
+      if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
   const auto best =
       std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   e.h = *best;
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
-    if (std::abs(wrap_rad(t.place.angle_rad - e.h.place.angle_rad)) * kDegPerRad > 2)
+    if (std::abs(wrap_rad(t.place.angle_rad - e.h.place.angle_rad)) * kDegPerRad > kSameTurn_deg &&
+        same_spot(t.place, e.h.place, e.model->side_px))
       note_ambiguity(e, (t.place.angle_rad - e.h.place.angle_rad) * kDegPerRad, t.score);
+}
+
+/// Whether the entry may still become a match: what is far below is not worth another look.
+bool Selection::contender(const Entry& e) const {
+  if (e.h.score + (options_.max_matches > 1 ? kMayRiseSeveral : kMayRise) < limit_of(e)) return false;
+  if (options_.max_matches > 1) return true;
+  const auto better_ones = std::count_if(entries_.begin(), entries_.end(),
+                                         [&](const Entry& o) { return o.model == e.model && o.h.score > e.h.score; });
+  return better_ones < static_cast<std::ptrdiff_t>(kContenders);
+}
+
+double Selection::limit_of(const Entry& e) const {
+  return options_.min_score.value_or(e.model->model->learnt.suggested_min_score);
 }
 
 const RejectReason* Selection::fault(const Entry& e) const {
@@ -103,14 +130,17 @@ const RejectReason* Selection::fault(const Entry& e) const {
     if (p.x_px < r.x - 0.5 || p.y_px < r.y - 0.5 || p.x_px > r.x + r.w - 0.5 || p.y_px > r.y + r.h - 0.5)
       return &kLimit;
   }
-  if (e.h.score < options_.min_score.value_or(e.model->model->learnt.suggested_min_score)) return &kScore;
+  if (e.h.score < limit_of(e)) return &kScore;
   return nullptr;
 }
 
 void Selection::finish(FindResult& result) {
   std::vector<Entry> passed;
+  std::vector<Entry*> contenders;
+  for (Entry& e : entries_)
+    if (contender(e)) contenders.push_back(&e);
+  for (Entry* e : contenders) resolve_angle(*e);
   for (Entry& e : entries_) {
-    if (!e.model->model->learnt.ambiguous_deg.empty()) resolve_symmetry(e);
     if (const RejectReason* reason = fault(e))
       turned_.push_back({e, *reason, Stage::final});
     else
@@ -123,11 +153,10 @@ void Selection::finish(FindResult& result) {
     const auto rival = std::find_if(
         kept.begin(), kept.end(), [&](const Entry& k) { return overlap(k.outline, e.outline) > options_.max_overlap; });
     if (rival != kept.end()) {
-      const bool same_spot = rival->model == e.model &&
-                             std::hypot(rival->h.place.x_px - e.h.place.x_px, rival->h.place.y_px - e.h.place.y_px) <
-                                 0.12 * e.model->side_px;
       const double turn_deg = wrap_deg((e.h.place.angle_rad - rival->h.place.angle_rad) * kDegPerRad);
-      if (same_spot && std::abs(turn_deg) > 5) note_ambiguity(*rival, turn_deg, e.h.score);
+      if (rival->model == e.model && same_spot(rival->h.place, e.h.place, e.model->side_px) &&
+          std::abs(turn_deg) > kSameTurn_deg)
+        note_ambiguity(*rival, turn_deg, e.h.score);
       turned_.push_back({std::move(e), RejectReason::overlap, Stage::final});
     } else if (static_cast<int>(kept.size()) >= options_.max_matches) {
       turned_.push_back({std::move(e), RejectReason::limit, Stage::final});

@@ -33,7 +33,9 @@ class Selection {
     Stage stage;
   };
   [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h) const;
-  void resolve_symmetry(Entry& e);
+  [[nodiscard]] bool contender(const Entry& e) const;
+  [[nodiscard]] double limit_of(const Entry& e) const;
+  void resolve_angle(Entry& e);
   void note_ambiguity(Entry& e, double offset_deg, double score);
   [[nodiscard]] const RejectReason* fault(const Entry& e) const;
   [[nodiscard]] Match describe(const Entry& e);

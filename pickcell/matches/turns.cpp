@@ -1,0 +1,69 @@
+#include "pickcell/matches/turns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pickcell/matches/follow.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+constexpr double kSide_px = 40;  // of the part at the level of the sweep, at least
+constexpr double kFew_deg = 4;   // angles this near are the same
+constexpr std::size_t kFollowed = 4;
+constexpr int kSteps = 3;
+constexpr double kHopeless = 0.25;  // of the score below what the sweep saw at the found angle
+
+int sweep_level(const BestModel& model, const BestScene& scene) {
+  int level = 0;
+  while (level + 1 < static_cast<int>(model.levels.size()) && level + 1 < scene.levels() &&
+         model.side_px / (2 << level) >= kSide_px)
+    ++level;
+  return level;
+}
+
+Similarity turned(Similarity s, double by_rad) {
+  s.angle_rad = wrap_rad(s.angle_rad + by_rad);
+  return s;
+}
+
+/// Local maxima of the score over the circle, best first, the found angle left out.
+std::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, const LevelModel& model,
+                              RefineScratch& scratch) {
+  const int n = std::clamp(static_cast<int>(2 * std::numbers::pi * static_cast<double>(model.grey.radius)), 24, 360);
+  std::vector<Hypothesis> circle;
+  for (int i = 0; i < n; ++i)
+    circle.push_back(evaluate(level, model, turned(found.place, 2 * std::numbers::pi * i / n), scratch));
+  const double least = circle[0].score - kHopeless;
+  std::vector<Hypothesis> peaks;
+  for (int i = 0; i < n; ++i) {
+    const Hypothesis& h = circle[static_cast<std::size_t>(i)];
+    const double before = circle[static_cast<std::size_t>((i + n - 1) % n)].score;
+    const double after = circle[static_cast<std::size_t>((i + 1) % n)].score;
+    const double from_found = 360.0 * std::min(i, n - i) / n;
+    if (h.score >= before && h.score > after && h.score > least && from_found > kFew_deg) peaks.push_back(h);
+  }
+  sort_best_first(peaks);
+  if (peaks.size() > kFollowed) peaks.resize(kFollowed);
+  return peaks;
+}
+
+}  // namespace
+
+std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
+                                      RefineScratch& scratch) {
+  const int l = sweep_level(model, scene);
+  const SceneLevel level = scene.level(l);
+  const LevelModel& at_level = model.levels[static_cast<std::size_t>(l)];
+  std::vector<Hypothesis> out{found};
+  for (const Hypothesis& peak : sweep(found, level, at_level, scratch)) {
+    const Hypothesis near = climb(level, at_level, peak.place, model.scale, kSteps, scratch);
+    const Hypothesis exact = settle(scene.level(0), model.levels[0], near.place, model.scale, scratch);
+    out.push_back(polish(scene.level(0), model.levels[0], exact, model.scale, scratch));
+  }
+  sort_best_first(out);
+  return out;
+}
+
+}  // namespace pickcell::matches

@@ -1,0 +1,18 @@
+#pragma once
+/// Other angles at a place that was found. A round part with few features by which its angle can be told scores nearly
+/// as well at wrong angles as at the right one, and the right one may have been dropped on the way down.
+
+#include <vector>
+
+#include "pickcell/matches/best_model.hpp"
+#include "pickcell/matches/best_scene.hpp"
+#include "pickcell/matches/refine.hpp"
+
+namespace pickcell::matches {
+
+/// The hypothesis itself and the best other angles about the same anchor, each settled at level 0, best first. Sweeps
+/// the whole circle at a middle level, one pixel at the rim per step, and follows the highest local maxima.
+[[nodiscard]] std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
+                                                    RefineScratch& scratch);
+
+}  // namespace pickcell::matches
