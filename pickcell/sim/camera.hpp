@@ -1,6 +1,7 @@
 #pragma once
 /// The simulated camera: a frame source that looks at the world.
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>

@@ -248,7 +248,8 @@ TEST(TeachPicture, MaskHasThePartsAreaAndGraspsTheirPlace) {
   const WorldSettings settings = default_world(1);
   const CameraSettings camera = small_camera(settings, 0.5);
   std::vector<std::string> kinds;
-  for (const PartKind& kind : part_catalogue()) kinds.push_back(kind.name);
+  for (const PartKind& kind : part_catalogue())
+    if (kinds.size() < 6) kinds.push_back(kind.name);
   const auto all = take_teach_pictures(kinds, camera, settings.T_base_plane);
   ASSERT_EQ(all.size(), kinds.size());
   for (const TeachPicture& taught : all) {
@@ -257,7 +258,8 @@ TEST(TeachPicture, MaskHasThePartsAreaAndGraspsTheirPlace) {
     for (int y = 0; y < taught.mask.height(); ++y)
       for (int x = 0; x < taught.mask.width(); ++x) pixels += taught.mask.at(x, y) != 0 ? 1 : 0;
     const double px_per_mm = camera.intrinsics.fx_px / (800 - kind.height_mm);
-    EXPECT_NEAR(pixels / (px_per_mm * px_per_mm), area_mm2(kind.outline), 0.03 * area_mm2(kind.outline)) << kind.name;
+    const double area = area_mm2(kind.outline, 0.25);
+    EXPECT_NEAR(pixels / (px_per_mm * px_per_mm), area, 0.03 * area) << kind.name;
     EXPECT_NEAR(taught.ref_x_px, 319.5, 1e-6);
     EXPECT_NEAR(taught.ref_y_px, 255.5, 1e-6);
     EXPECT_TRUE(taught.roi_w >= 50 && taught.roi_w <= 150 && taught.roi_h >= 40 && taught.roi_h <= 150) << kind.name;

@@ -1,6 +1,7 @@
 #pragma once
 /// The parts of the simulation, drawn by code: outline, top face, height and taught grasps in millimetres.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

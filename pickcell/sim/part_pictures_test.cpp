@@ -59,12 +59,12 @@ TEST(PartTexture, CoversTheOutlinesArea) {
   for (const PartKind& kind : part_catalogue()) {
     const PartTexture& texture = part_texture(kind.name);
     const Box2& b = kind.outline.bounds();
-    constexpr double kStep = 0.31;
+    constexpr double kStep = 0.43;
     double covered = 0;
     for (double y = b.lo.y(); y < b.hi.y(); y += kStep)
       for (double x = b.lo.x(); x < b.hi.x(); x += kStep)
         covered += kStep * kStep * static_cast<double>(texture.sample(x, y).coverage);
-    const double area = area_mm2(kind.outline);
+    const double area = area_mm2(kind.outline, 0.25);
     EXPECT_NEAR(covered, area, 0.012 * area) << kind.name;
     EXPECT_NEAR(static_cast<double>(texture.inside().size()), area, 0.04 * area) << kind.name;
   }

@@ -1,6 +1,7 @@
 #pragma once
 /// Renders the work plane with its parts through a camera: height, side walls, shadow, lens distortion.
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 

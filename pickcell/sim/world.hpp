@@ -2,6 +2,7 @@
 /// The truth of the simulated cell: work plane, parts, gripper, and a record of where every part ended. The cell never
 /// sees it; it acts through the controller's contacts and looks through the camera.
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <span>
