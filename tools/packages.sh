@@ -5,7 +5,7 @@
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
   libhwy-dev libpng-dev libjpeg-dev libsqlite3-dev libboost-dev)
 packages_check=(git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev
-  libopencv-calib3d-dev clang-format-19)
+  clang-format-19)
 packages_fuzz=(clang-19)
 packages_hmi=()  # a Node that did not come from Debian's packages is as good
 command -v node >/dev/null || packages_hmi+=(nodejs)
