@@ -117,6 +117,7 @@ class Run {
       std::vector<matches::Model> models)
       : options_(options), io_(io), engine_(std::move(engine)), search_(std::move(search)), models_(std::move(models)) {
     for (const matches::Model& model : models_) pointers_.push_back(&model);
+    engine_->prepare(pointers_, search_);  // time_ms is matching alone
   }
 
   /// A picture that cannot be read or searched is reported, the others are still done; then 2.

@@ -126,6 +126,19 @@ bool BestEngine::sure(const Followed& followed, const SearchOptions& options) co
          followed.found[0].edge >= settings_.accept_edge;
 }
 
+void BestEngine::prepare_thorough(BestModel& model) const {
+  if (model.thorough.tiles.empty())
+    model.thorough = build_coarse_templates(model.pyramid, settings_.thorough.detail, model.scale);
+}
+
+void BestEngine::prepare(std::span<const Model* const> models, const SearchOptions& options) {
+  if (!check(options)) return;
+  for (const Model* model : models) {
+    BestModel& own = prepared(*model, options.scale.value_or(model->scale));
+    if (settings_.effort != Effort::quick) prepare_thorough(own);
+  }
+}
+
 Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
   const bool several = options.max_matches > 1;
   Followed all;
@@ -141,8 +154,7 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     merge(descend(list.subspan(first.size()), model, model.quick, settings_.wide, options, budget, result), model, all);
     if (sure(all, options) || budget.spent()) return all;
   }
-  if (model.thorough.tiles.empty())
-    model.thorough = build_coarse_templates(model.pyramid, settings_.thorough.detail, model.scale);
+  prepare_thorough(model);
   const std::vector<CoarseCandidate> found =
       candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result);
   merge(descend(found, model, model.thorough, settings_.thorough, options, budget, result), model, all);

@@ -35,10 +35,12 @@ class BestEngine final : public Engine {
   /// model or an empty list.
   [[nodiscard]] core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                               const SearchOptions& options) override;
+  void prepare(std::span<const Model* const> models, const SearchOptions& options) override;
   [[nodiscard]] std::string name() const override { return "best"; }
   [[nodiscard]] std::string isa() const override { return kernel_target(); }
 
  private:
+  void prepare_thorough(BestModel& model) const;
   [[nodiscard]] BestModel& prepared(const Model& model, Range scale);
   [[nodiscard]] std::vector<CoarseCandidate> candidates(const BestModel& model, const CoarseTemplates& templates,
                                                         int count, const SearchOptions& options, WorkBudget& budget,

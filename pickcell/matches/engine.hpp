@@ -57,9 +57,15 @@ class Engine {
   /// time.
   [[nodiscard]] virtual core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                                       const SearchOptions& options) = 0;
+  /// Derives now what find would derive from the models on first use, so that the first picture takes no longer than
+  /// the others. Optional. Errors are left to find.
+  virtual void prepare(std::span<const Model* const> models, const SearchOptions& options) {
+    static_cast<void>(models);
+    static_cast<void>(options);
+  }
   [[nodiscard]] virtual std::string name() const = 0;
-  /// The SIMD target that its kernels run with on this machine, in lower case ("avx2"); "baseline": the one it was compiled
-  /// for.
+  /// The SIMD target that its kernels run with on this machine, in lower case ("avx2"); "baseline": the one it was
+  /// compiled for.
   [[nodiscard]] virtual std::string isa() const { return "baseline"; }
 };
 
