@@ -94,6 +94,7 @@ core::Result<int> run_with_page([[maybe_unused]] const CellRun& run, [[maybe_unu
   if (!setup) return core::forward(setup);
   server::ServerSettings settings;
   settings.listen = run.listen.value_or(run.file.cell.listen);
+  settings.web_root = run.web_root;
   server::Server server(settings, *setup->cell);
   if (auto started = server.start(); !started) return core::forward(started);
   setup->cell->open();

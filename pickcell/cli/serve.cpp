@@ -13,6 +13,7 @@ struct Options {
   std::string file;
   std::int64_t picks = 0;
   std::string listen;
+  std::string web_root;
   bool json = false;
 };
 
@@ -21,6 +22,7 @@ core::Result<int> run(const Options& options, Io& io) {
   if (!file) return core::forward(file);
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
+  if (!options.web_root.empty()) cell_run.web_root = options.web_root;
   return run_cell(cell_run, io);
 }
 
@@ -31,6 +33,8 @@ Runner add(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000'000}));
   app.add_option("--listen", options->listen, "address and port of the page, instead of the file's")
       ->type_name("ADDR:PORT");
+  app.add_option("--web-root", options->web_root, "the page from this folder, instead of the embedded one")
+      ->type_name("DIR");
   app.add_flag("--json", options->json, "with --picks: the report as one line of JSON");
   return [options](Io& io) { return run(*options, io); };
 }

@@ -22,6 +22,7 @@ struct Options {
   std::string camera = "inprocess";
   std::optional<std::uint64_t> seed;
   std::string listen;
+  std::string web_root;
 };
 
 core::Status check(const Options& options) {
@@ -58,6 +59,7 @@ core::Result<int> run(const Options& options, Io& io) {
   if (options.seed) file->sim.seed = *options.seed;
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
+  if (!options.web_root.empty()) cell_run.web_root = options.web_root;
   return run_cell(cell_run, io);
 }
 
@@ -71,6 +73,8 @@ Runner add(CLI::App& app) {
   app.add_option("--camera", options->camera, "how the simulated camera is reached")->type_name("inprocess|gige");
   app.add_option("--seed", options->seed, "of the simulated parts, light and noise")->type_name("S");
   app.add_option("--listen", options->listen, "address and port of the page")->type_name("ADDR:PORT");
+  app.add_option("--web-root", options->web_root, "the page from this folder, instead of the embedded one")
+      ->type_name("DIR");
   return [options](Io& io) { return run(*options, io); };
 }
 
