@@ -158,6 +158,18 @@ core::Result<frames::FrameSource*> make_source(CellSetup& setup, const CellFile&
 
 }  // namespace
 
+CellSetup& CellSetup::operator=(CellSetup&& other) noexcept {
+  // Memberwise assignment would take the clock away from under the cell first.
+  CellSetup old(std::move(*this));
+  clock = std::move(other.clock);
+  plant = std::move(other.plant);
+  source = std::move(other.source);
+  journal = std::move(other.journal);
+  robot = std::move(other.robot);
+  cell = std::move(other.cell);
+  return *this;
+}
+
 core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
   auto config = core::Config::load(path);
   if (!config) return core::forward(config);

@@ -50,8 +50,14 @@ struct CellRunOptions {
   std::int64_t stop_after_picks = 0;  ///< > 0: starts by itself and stands when so many are dealt with
 };
 
-/// Everything that lives as long as the cell does. Torn down in the right order.
+/// Everything that lives as long as the cell does. Each member stands on those above it, so it is torn down from the last
+/// to the first, also when another one is assigned.
 struct CellSetup {
+  CellSetup() = default;
+  CellSetup(CellSetup&&) = default;
+  CellSetup& operator=(CellSetup&& other) noexcept;
+  ~CellSetup() = default;
+
   std::unique_ptr<core::Clock> clock;
   std::unique_ptr<SimulatedPlant> plant;        ///< null for a real cell
   std::unique_ptr<frames::FrameSource> source;  ///< null when the plant's camera is used

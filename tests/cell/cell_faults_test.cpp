@@ -18,7 +18,8 @@ class CellFaults : public DemoCell {
   void during_pick(int n, bool holding, std::function<void(sim::Controller&)> fault) {
     each_change = [this, n, holding, fault = std::move(fault), done = false](const Snapshot& s) mutable {
       if (done || s.mode != Mode::running || s.counters.submitted != n || !s.step.starts_with("picking")) return;
-      const bool taken = setup_.plant->controller->copy_of_state().D[12] == n;
+      const sim::ControllerState state = setup_.plant->controller->copy_of_state();
+      const bool taken = state.D[12] == state.D[10] && state.D[11] != state.D[10];  // accepted and not ended
       if (!taken || setup_.plant->world.held().has_value() != holding) return;
       done = true;
       fault(*setup_.plant->controller);
@@ -96,7 +97,9 @@ TEST_F(CellFaults, ControllerKilledWithAPartInTheGripper) {
   set_up(3);
   during_pick(2, true, [](sim::Controller& controller) { controller.kill(); });
   setup_.cell->open();
-  EXPECT_EQ(wait_fault().alarms.front().code, "LINK_LOST");
+  const Snapshot fault = wait_fault();
+  ASSERT_FALSE(fault.alarms.empty());
+  EXPECT_EQ(fault.alarms.front().code, "LINK_LOST");
   ASSERT_TRUE(setup_.plant->controller->revive());
   reset_start_finish(3);
   EXPECT_EQ(setup_.cell->snapshot().counters.unknown, 1);
@@ -148,6 +151,7 @@ TEST_F(CellFaults, HeldFromThePendantMidPick) {
   });
   setup_.cell->open();
   const Snapshot fault = wait_fault();
+  ASSERT_FALSE(fault.alarms.empty());
   EXPECT_EQ(fault.alarms.front().code, "ROBOT_HELD");
   EXPECT_NE(fault.reason.find("held from the pendant"), std::string::npos);
   EXPECT_TRUE(fault.robot.held);

@@ -50,6 +50,10 @@ class DemoCell : public ::testing::Test {
     auto made = cli::set_up_cell(*file, {picks});
     ASSERT_TRUE(made) << made.error().line();
     setup_ = std::move(*made);
+    {
+      const std::lock_guard lock(mutex_);
+      seen_ = {};
+    }
     setup_.cell->on_change([this, cell = setup_.cell.get()] {
       const cell::Snapshot now = cell->snapshot();
       if (each_change) each_change(now);
@@ -60,7 +64,7 @@ class DemoCell : public ::testing::Test {
   }
   cell::Snapshot wait(const std::function<bool(const cell::Snapshot&)>& condition) {
     std::unique_lock lock(mutex_);
-    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(240), [&] { return condition(seen_); }))
+    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [&] { return condition(seen_); }))
         << name(seen_.mode) << ": " << seen_.step << " / " << seen_.reason;
     return seen_;
   }

@@ -60,13 +60,15 @@ TEST_F(WalkingCell, IsTheSameEveryTimeForASeed) {
     wait_done();
     setup_.cell->close();
     std::vector<Eigen::Vector3d> out;
-    for (const auto& part : setup_.plant->world.placed()) out.push_back(part.T_base_part.translation_m());
-    out.push_back({core::seconds(setup_.clock->now()), 0, 0});
+    for (const auto& part : setup_.plant->world.placed()) {
+      out.push_back(part.T_base_part.translation_m());
+      out.push_back({core::seconds(part.picked), core::seconds(part.placed), 0});
+    }
     setup_ = {};
     return out;
   };
   const auto first = places(7), again = places(7), other = places(8);
-  ASSERT_EQ(first.size(), 4u);
+  ASSERT_EQ(first.size(), 6u);
   EXPECT_EQ(first, again);
   EXPECT_NE(first, other);
 }
