@@ -7,7 +7,7 @@ namespace pickcell::cell {
 
 using core::ErrorCode;
 
-tl::unexpected<Halt> Arm::lost(const core::Error& error, const std::string& doing) {
+tl::unexpected<Halt> Arm::failed(const core::Error& error, const std::string& doing) {
   Halt halt = halt_from(error, doing);
   // Refused with the link up: a person must look at the arm first (Robot::connect); the next Reset says so.
   halt.person_must_look = error.code == ErrorCode::refused && robot_.connected();
@@ -21,7 +21,7 @@ tl::unexpected<Halt> Arm::lost(const core::Error& error, const std::string& doin
 }
 
 Or<void> Arm::connect() {
-  if (auto connected = robot_.connect(seat_); !connected) return lost(connected.error(), "connecting to the robot");
+  if (auto connected = robot_.connect(seat_); !connected) return failed(connected.error(), "connecting to the robot");
   if (auto state = poll(Need::nothing); !state) return tl::unexpected(state.error());
   return {};
 }
@@ -30,29 +30,29 @@ Or<void> Arm::reset(bool person_looked) {
   if (robot_.connected()) {
     const auto state = robot_.state();
     if (state && (state->alarm || state->error))
-      if (auto cleared = robot_.reset(); !cleared) return lost(cleared.error(), "clearing the alarm");
+      if (auto cleared = robot_.reset(); !cleared) return failed(cleared.error(), "clearing the alarm");
     if (state && state->hold_command)
-      if (auto released = robot_.hold(false); !released) return lost(released.error(), "taking back the hold");
+      if (auto released = robot_.hold(false); !released) return failed(released.error(), "taking back the hold");
   }
   auto connected = connect();
   if (!connected && !(person_looked && connected.error().person_must_look)) return connected;
   if (person_looked)
-    if (auto confirmed = robot_.confirm(seat_); !confirmed) return lost(confirmed.error(), "going on after a look");
+    if (auto confirmed = robot_.confirm(seat_); !confirmed) return failed(confirmed.error(), "going on after a look");
   const auto state = poll(Need::ready);
   if (!state) return tl::unexpected(state.error());
   return {};
 }
 
 Or<void> Arm::start() {
-  if (auto started = robot_.start(seat_); !started) return lost(started.error(), "starting the robot's job");
+  if (auto started = robot_.start(seat_); !started) return failed(started.error(), "starting the robot's job");
   return {};
 }
 
 Or<robot::RobotState> Arm::poll(Need need) {
   auto state = robot_.state();
-  if (!state) return lost(state.error(), "reading the robot's state");
+  if (!state) return failed(state.error(), "reading the robot's state");
   auto pose = robot_.pose();
-  if (!pose) return lost(pose.error(), "reading the robot's position");
+  if (!pose) return failed(pose.error(), "reading the robot's position");
   view_ = view_of(*state, link_);
   for (int i = 0; i < 3; ++i) view_.tool_mm[static_cast<std::size_t>(i)] = core::mm_from_m(pose->translation_m()(i));
   hindrance_ = hindrance_to_start(*state);

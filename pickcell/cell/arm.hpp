@@ -37,6 +37,8 @@ class Arm {
   [[nodiscard]] Or<robot::RobotState> poll(Need need);
   /// Why the arm could not start now, by the last poll.
   [[nodiscard]] std::optional<Hindrance> hindrance() const { return hindrance_; }
+  /// Why the cell stands after a call to robot() failed; when the link is gone, view() says so too.
+  [[nodiscard]] tl::unexpected<Halt> failed(const core::Error& error, const std::string& doing);
   /// Tells the arm to stand, where the link still carries it.
   void hold();
 
@@ -45,7 +47,6 @@ class Arm {
   [[nodiscard]] AlarmList& alarms() { return alarms_; }
 
  private:
-  [[nodiscard]] tl::unexpected<Halt> lost(const core::Error& error, const std::string& doing);
   [[nodiscard]] Halt with_alarm_text(Halt halt);
 
   robot::Robot& robot_;

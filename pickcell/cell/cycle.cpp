@@ -149,7 +149,7 @@ Or<void> Cell::pick_next() {
     ledger_.give_back("safety", sequence.error().line());
     return judge({OutcomeKind::refused, 0, 0, sequence.error().why});
   }
-  if (!sequence) return tl::unexpected(halt_from(sequence.error(), "handing over " + pick.model));
+  if (!sequence) return arm_.failed(sequence.error(), "handing over " + pick.model);
   if (auto logged = ledger_.handed_over(*sequence); !logged)
     return tl::unexpected(halt_from(logged.error(), "recording"));
   const auto outcome = wait_for_outcome();
@@ -163,7 +163,7 @@ Or<robot::Outcome> Cell::wait_for_outcome() {
   for (;;) {
     if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
     auto outcome = arm_.robot().outcome();
-    if (!outcome) return tl::unexpected(halt_from(outcome.error(), "waiting for the end of the pick"));
+    if (!outcome) return arm_.failed(outcome.error(), "waiting for the end of the pick");
     if (*outcome) return **outcome;
     if (seat_->now() > deadline) {
       arm_.hold();
@@ -222,13 +222,13 @@ Or<void> Cell::move_belt() {
   show_step("moving the belt");
   robot::Robot& robot = arm_.robot();
   if (auto asked = robot.write_contact(settings_.feed.advance_contact, true); !asked)
-    return tl::unexpected(halt_from(asked.error(), "moving the belt"));
+    return arm_.failed(asked.error(), "moving the belt");
   const core::TimePoint start = seat_->now();
   bool moved = false;
   for (;;) {
     if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
     const auto moving = robot.read_contact(settings_.feed.moving_contact);
-    if (!moving) return tl::unexpected(halt_from(moving.error(), "watching the belt"));
+    if (!moving) return arm_.failed(moving.error(), "watching the belt");
     if (moved && !*moving) break;
     moved = moved || *moving;
     const core::Duration waited = seat_->now() - start;
@@ -237,7 +237,7 @@ Or<void> Cell::move_belt() {
                    "look at the belt's drive and its signals, then press Reset");
   }
   if (auto released = robot.write_contact(settings_.feed.advance_contact, false); !released)
-    return tl::unexpected(halt_from(released.error(), "moving the belt"));
+    return arm_.failed(released.error(), "moving the belt");
   ledger_.standing().forget();
   return {};
 }

@@ -159,7 +159,8 @@ core::Status match_images(const Dataset& set, const Models& models, matches::Eng
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const DatasetImage& image = set.images[chosen[i]];
     if (!models[image.template_index]) {
-      run.images.push_back(not_searched(set, chosen[i], "the template cannot be taught: " + run.untaught[image.template_index]));
+      run.images.push_back(
+          not_searched(set, chosen[i], "the template cannot be taught: " + run.untaught[image.template_index]));
       continue;
     }
     auto picture = load(set.folder / image.file);

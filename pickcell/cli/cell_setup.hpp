@@ -50,8 +50,8 @@ struct CellRunOptions {
   std::int64_t stop_after_picks = 0;  ///< > 0: starts by itself and stands when so many are dealt with
 };
 
-/// Everything that lives as long as the cell does. Each member stands on those above it, so it is torn down from the last
-/// to the first, also when another one is assigned.
+/// Everything that lives as long as the cell does. Each member stands on those above it, so it is torn down from the
+/// last to the first, also when another one is assigned.
 struct CellSetup {
   CellSetup() = default;
   CellSetup(CellSetup&&) = default;

@@ -51,8 +51,8 @@ class Config {
   /// Notes a problem with a value that was read (out of range, contradictory).
   void problem(std::string_view key, std::string why);
 
-  /// A required value in words, for tables with free keys: a string as it is, numbers and booleans as written in TOML, a
-  /// list of these with commas between them.
+  /// A required value in words, for tables with free keys: a string as it is, numbers and booleans as written in TOML,
+  /// a list of these with commas between them.
   std::string text(std::string_view key);
   /// Every key in the table, known or not (for tables with free keys).
   [[nodiscard]] std::vector<std::string> keys() const;

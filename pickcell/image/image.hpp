@@ -36,8 +36,8 @@ class View {
 using ImageView = View<std::uint8_t>;
 
 /// A picture that owns its pixels. Rows start at 64-byte boundaries and are padded to whole 64-byte blocks, so kernels
-/// may read up to 64 bytes past the last pixel of any row, the last one included; padding is zero at construction. resize()
-/// keeps the memory when it suffices.
+/// may read up to 64 bytes past the last pixel of any row, the last one included; padding is zero at construction.
+/// resize() keeps the memory when it suffices.
 template <class T>
 class Plane {
  public:

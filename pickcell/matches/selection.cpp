@@ -19,7 +19,7 @@ constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
 constexpr double kMayRise = 0.15;         // of the score, by another angle
 constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
-constexpr std::size_t kContenders = 3;  // of a single search
+constexpr std::size_t kContenders = 3;    // of a single search
 
 bool angle_allowed(double angle_deg, Range range) {
   const double width = range.hi - range.lo + 2 * kAngleSlack_deg;
