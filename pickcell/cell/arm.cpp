@@ -35,6 +35,10 @@ Or<void> Arm::reset(bool person_looked) {
       if (auto released = robot_.hold(false); !released) return failed(released.error(), "taking back the hold");
   }
   auto connected = connect();
+  if (!connected && robot_.connected()) {
+    // Outside of remote play a controller refuses what connecting writes: the mode is the reason then, not the refusal.
+    if (auto ready = poll(Need::ready); !ready) return tl::unexpected(ready.error());
+  }
   if (!connected && !(person_looked && connected.error().person_must_look)) return connected;
   if (person_looked)
     if (auto confirmed = robot_.confirm(seat_); !confirmed) return failed(confirmed.error(), "going on after a look");

@@ -130,23 +130,23 @@ void Cell::live() {
   while (!quit_) {
     if (desk_.take(Command::reset)) do_reset();
     if (mode_ == Mode::idle && desk_.take(Command::start)) {
-      desk_.take(Command::stop);
       const Halt halt = work();
       has_stopped_ = true;
       enter(halt);
     }
     if (quit_) return;
     seat_->sleep_for(Arm::kPoll);
-    if (mode_ == Mode::idle)
-      if (auto standing = stand_by(); !standing) enter(standing.error());
+    if (auto standing = stand_by(); !standing && mode_ == Mode::idle) enter(standing.error());
     desk_.take(Command::stop);
   }
 }
 
+/// A cell in fault looks on too, so that what the page shows of the arm is true; its reason stays the first one.
 Or<void> Cell::stand_by() {
+  if (mode_ == Mode::fault && !arm_.robot().connected()) return {};
   const auto state = arm_.poll(Arm::Need::nothing);
-  if (!state) return tl::unexpected(state.error());
   publish();
+  if (!state) return tl::unexpected(state.error());
   return {};
 }
 

@@ -18,6 +18,13 @@ int whole(Config& table, const char* key, int otherwise, int lo, int hi) {
   return static_cast<int>(v);
 }
 
+/// Contacts are counted in groups of eight: 27010..27017, 27020..27027, ...
+int contact(Config& table, const char* key, int otherwise) {
+  const int v = whole(table, key, otherwise, 10, 99999);
+  if (v % 10 > 7) table.problem(key, "is no contact: their numbers end in 0 to 7");
+  return v;
+}
+
 std::array<double, 3> triple(Config& table, const char* key) {
   const std::vector<double> v = table.numbers(key);
   if (v.size() == 3) return {v[0], v[1], v[2]};
@@ -109,8 +116,8 @@ FeedConfig read_feed(Config table) {
     out.kind = FeedKind::indexed;
   else if (kind != "none")
     table.problem("kind", "must be \"none\" or \"indexed\"");
-  out.advance_contact = whole(table, "advance_contact", out.advance_contact, 1, 99999);
-  out.moving_contact = whole(table, "moving_contact", out.moving_contact, 1, 99999);
+  out.advance_contact = contact(table, "advance_contact", out.advance_contact);
+  out.moving_contact = contact(table, "moving_contact", out.moving_contact);
   out.timeout_s = positive(table, "timeout_s", out.timeout_s);
   out.look_again_s = positive(table, "look_again_s", out.look_again_s);
   out.empty_pitches_max = whole(table, "empty_pitches_max", out.empty_pitches_max, 0, 1'000'000);

@@ -221,6 +221,14 @@ Or<void> Cell::feed() {
 Or<void> Cell::move_belt() {
   show_step("moving the belt");
   robot::Robot& robot = arm_.robot();
+  // A fault during an earlier feed may have left it on, and the feeder waits for the edge.
+  const auto left_on = robot.read_contact(settings_.feed.advance_contact);
+  if (!left_on) return arm_.failed(left_on.error(), "moving the belt");
+  if (*left_on) {
+    if (auto released = robot.write_contact(settings_.feed.advance_contact, false); !released)
+      return arm_.failed(released.error(), "moving the belt");
+    if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
+  }
   if (auto asked = robot.write_contact(settings_.feed.advance_contact, true); !asked)
     return arm_.failed(asked.error(), "moving the belt");
   const core::TimePoint start = seat_->now();

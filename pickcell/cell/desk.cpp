@@ -50,7 +50,11 @@ void Desk::tell() {
 
 void Desk::ask(Command command) {
   const std::lock_guard lock(mutex_);
-  asked_[static_cast<std::size_t>(command)] = true;
+  const auto asked = [this](Command c) -> bool& { return asked_[static_cast<std::size_t>(c)]; };
+  // The newer wish counts: a Stop right behind a Start takes it back, and the other way round.
+  if (command == Command::stop) asked(Command::start) = false;
+  if (command == Command::start) asked(Command::stop) = false;
+  asked(command) = true;
 }
 
 bool Desk::take(Command command) {

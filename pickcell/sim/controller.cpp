@@ -65,11 +65,14 @@ Controller::~Controller() {
 }
 
 void Controller::live() {
+  // Waits before the first tick too: only a sleeping party has its turn, and until then commands of others may come
+  // before or after, as the machine likes.
   core::TimePoint next = seat_->now();
-  while (!stopping_) {
-    tick();
+  for (;;) {
     next += core::duration_s(tick_s_);
     seat_->sleep_until(next);
+    if (stopping_) return;
+    tick();
   }
 }
 
