@@ -1,14 +1,14 @@
 #include "pickcell/cli/cell_setup.hpp"
 
-#include <charconv>
 #include <utility>
 
+#include "pickcell/cli/robot_link.hpp"
 #include "pickcell/core/units.hpp"
 #include "pickcell/frames/file_source.hpp"
 #include "pickcell/matches/engine.hpp"
 #include "pickcell/matches/model_file.hpp"
 #include "pickcell/poses/calibration.hpp"
-#include "pickcell/robot/tcp80_robot.hpp"
+#include "pickcell/robot/job_robot.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 
 namespace pickcell::cli {
@@ -17,8 +17,6 @@ using core::ErrorCode;
 using core::failure;
 
 namespace {
-
-constexpr int kTcp80Port = 80;
 
 SimulationConfig read_simulation(core::Config table) {
   SimulationConfig out;
@@ -47,27 +45,13 @@ core::Status check_source(const std::string& source, const std::filesystem::path
                  "use \"sim\" or \"files:DIR\"");
 }
 
-/// Host and port of "tcp80://host[:port]".
-core::Result<robot::Tcp80Settings> parse_link(const std::string& link, const std::string& where) {
-  const auto bad = [&](std::string why) {
-    return failure(ErrorCode::usage, where, "'robot.link' is \"" + link + "\", " + std::move(why),
-                   "use \"sim\" or \"tcp80://HOST[:PORT]\"");
-  };
-  const std::string scheme = "tcp80://";
-  if (link.starts_with("hses://") || link.starts_with("motoros://")) return bad("which this version cannot speak yet");
-  if (!link.starts_with(scheme)) return bad("which is no link to a robot");
-  const std::string rest = link.substr(scheme.size());
-  const std::size_t colon = rest.rfind(':');
-  robot::Tcp80Settings out;
-  out.host = rest.substr(0, colon);
-  out.port = kTcp80Port;
-  if (colon != std::string::npos) {
-    const char* end = rest.data() + rest.size();
-    const auto [used, problem] = std::from_chars(rest.data() + colon + 1, end, out.port);
-    if (problem != std::errc() || used != end || out.port < 1 || out.port > 65535) return bad("whose port is no port");
-  }
-  if (out.host.empty()) return bad("which names no host");
-  return out;
+/// The address behind [robot] link, in a protocol that can carry picks.
+core::Result<RobotAddress> parse_link(const CellFile& file) {
+  const std::string where = file.cell.file.string() + ": 'robot.link'";
+  auto address = parse_robot_link(file.cell.robot.link, where);
+  if (!address) return address;
+  if (auto possible = open_controller_link(*address, where); !possible) return core::forward(possible);
+  return address;
 }
 
 core::Result<std::vector<matches::Model>> load_models(const cell::CellConfig& config) {
@@ -122,17 +106,20 @@ core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
   return {};
 }
 
+core::Result<RobotAddress> robot_address(CellSetup& setup, const CellFile& file) {
+  if (file.cell.robot.link != "sim") return parse_link(file);
+  if (auto on = switch_on_controller(setup, file); !on) return core::forward(on);
+  const sim::Controller& controller = *setup.plant->controller;
+  const bool hses = file.sim.protocol == RobotProtocol::hses;
+  return RobotAddress{file.sim.protocol, "127.0.0.1", hses ? controller.hses_port() : controller.tcp80_port()};
+}
+
 core::Status make_robot(CellSetup& setup, const CellFile& file) {
-  robot::Tcp80RobotSettings settings;
-  if (file.cell.robot.link == "sim") {
-    if (auto on = switch_on_controller(setup, file); !on) return on;
-    settings.link.host = "127.0.0.1";
-    settings.link.port = setup.plant->controller->tcp80_port();
-  } else {
-    auto link = parse_link(file.cell.robot.link, file.cell.file.string());
-    if (!link) return core::forward(link);
-    settings.link = std::move(*link);
-  }
+  auto address = robot_address(setup, file);
+  if (!address) return core::forward(address);
+  auto link = open_controller_link(*address, file.cell.file.string());
+  if (!link) return core::forward(link);
+  robot::JobRobotSettings settings;
   settings.frame = file.cell.robot.frame;
   settings.tool = file.cell.robot.tool;
   settings.limits.box_min_mm = file.cell.limits.box_min_mm;
@@ -140,7 +127,7 @@ core::Status make_robot(CellSetup& setup, const CellFile& file) {
   auto journal = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
   if (!journal) return core::forward(journal);
   setup.journal = std::move(*journal);
-  setup.robot = std::make_unique<robot::Tcp80Robot>(settings, *setup.journal, *setup.clock);
+  setup.robot = std::make_unique<robot::JobRobot>(settings, std::move(*link), *setup.journal, *setup.clock);
   return {};
 }
 
@@ -179,7 +166,7 @@ core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
   if (auto finished = config->finish(); !finished) return core::forward(finished);
   if (auto known = check_source(out.cell.camera.source, path); !known) return core::forward(known);
   if (out.cell.robot.link != "sim")
-    if (auto link = parse_link(out.cell.robot.link, path.string()); !link) return core::forward(link);
+    if (auto link = parse_link(out); !link) return core::forward(link);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "pickcell/cell/cell.hpp"
 #include "pickcell/cell/cell_config.hpp"
 #include "pickcell/cell/journal.hpp"
+#include "pickcell/cli/robot_link.hpp"
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/result.hpp"
 #include "pickcell/frames/frame_source.hpp"
@@ -25,6 +26,7 @@ struct SimulationConfig {
   std::uint64_t seed = 1;
   std::vector<std::string> kinds = {"bracket_l", "gear_18", "label_box"};
   int parts_per_pitch = 4;
+  RobotProtocol protocol = RobotProtocol::tcp80;  ///< spoken with the simulated controller; not in the file
   double segment_pause_s = 0;  ///< wall time between the controller's OK and its result; real ones need some
 };
 

@@ -25,8 +25,8 @@ using core::failure;
 struct Options {
   std::string file, scenario;
   std::optional<std::string> bind, model, controller, banner;
-  std::optional<int> tcp80_port;
-  std::optional<std::string> hses_port, motoros_port, motoros_endian;
+  std::optional<int> tcp80_port, hses_port;
+  std::optional<std::string> motoros_port, motoros_endian;
   bool camera = false, no_camera = false;
 };
 
@@ -38,14 +38,13 @@ struct Setup {
 
 /// What real clients need to see the OK line and the result apart.
 constexpr double kSegmentPause_s = 0.02;
-constexpr int kRealPort = 80;
+constexpr int kRealPort = 80, kRealHsesPort = 10040;
 
 core::Status refuse_missing_doors(const Options& o) {
   const auto missing = [](const std::string& option, const std::string& what) {
     return failure(ErrorCode::usage, option, what + " is not part of this version",
-                   "leave the option out: the TCP 80 door is there");
+                   "leave the option out: TCP 80 and HSES are there");
   };
-  if (o.hses_port) return missing("--hses-port", "the HSES door");
   if (o.motoros_port) return missing("--motoros-port", "the MotoROS door");
   if (o.motoros_endian) return missing("--motoros-endian", "the MotoROS door");
   if (o.camera) return missing("--camera", "the GigE Vision camera");
@@ -64,6 +63,7 @@ core::Status read_file(const std::string& path, Setup& setup) {
   sim::ControllerSettings& c = setup.controller;
   c.bind = config->string_or("bind", c.bind);
   c.tcp80_port = static_cast<int>(config->integer_or("tcp80_port", c.tcp80_port));
+  c.hses_port = static_cast<int>(config->integer_or("hses_port", c.hses_port));
   c.type = config->string_or("controller", c.type);
   c.banner = config->string_or("banner", c.banner);
   c.segment_pause_s = config->number_or("segment_pause_s", c.segment_pause_s);
@@ -100,6 +100,9 @@ core::Status check(const sim::ControllerSettings& c) {
   if (c.tcp80_port < 0 || c.tcp80_port > 65535)
     return failure(ErrorCode::usage, "--tcp80-port", std::to_string(c.tcp80_port) + " is no TCP port",
                    "0 (any free one) to 65535");
+  if (c.hses_port < 0 || c.hses_port > 65534)
+    return failure(ErrorCode::usage, "--hses-port", std::to_string(c.hses_port) + " is no UDP port with a next one",
+                   "0 (any free ones) to 65534");
   if (!sim::controller_type(c.type))
     return failure(ErrorCode::usage, "--controller", "no controller '" + c.type + "'",
                    "one of nx100, dx100, fs100, dx200, yrc1000");
@@ -116,6 +119,7 @@ core::Result<Setup> setup_of(const Options& o) {
   Setup setup;
   sim::ControllerSettings& c = setup.controller;
   c.tcp80_port = kRealPort;
+  c.hses_port = kRealHsesPort;
   c.segment_pause_s = kSegmentPause_s;
   c.jobs = sim::shipped_jobs();
   if (!o.file.empty())
@@ -124,6 +128,7 @@ core::Result<Setup> setup_of(const Options& o) {
     if (auto status = read_scenario(o.scenario, setup); !status) return core::forward(status);
   c.bind = o.bind.value_or(c.bind);
   c.tcp80_port = o.tcp80_port.value_or(c.tcp80_port);
+  c.hses_port = o.hses_port.value_or(c.hses_port);
   c.type = o.controller.value_or(c.type);
   c.banner = o.banner.value_or(c.banner);
   if (o.model) {
@@ -166,7 +171,8 @@ core::Result<int> run(const Options& options, Io& io) {
   if (!controller) return core::forward(controller);
   (*controller)->follow(std::move(setup->scenario));
   io.err << "pickcell: tcp80: listening on " << setup->controller.bind << ":" << (*controller)->tcp80_port()
-         << std::endl;
+         << "\npickcell: hses: listening on " << setup->controller.bind << ":" << (*controller)->hses_port()
+         << ", files on the next port" << std::endl;
   io.out << "ready" << std::endl;
   stop.wait();
   return 0;
@@ -177,7 +183,8 @@ Runner add(CLI::App& app) {
   app.add_option("sim_toml", o->file, "settings (SIM.toml); options win");
   app.add_option("--bind", o->bind, "address to listen on (127.0.0.1)");
   app.add_option("--tcp80-port", o->tcp80_port, "Ethernet Server port (80; 0: any free one, named on stderr)");
-  app.add_option("--hses-port", o->hses_port, "not part of this version: refused");
+  app.add_option("--hses-port", o->hses_port,
+                 "High Speed Ethernet Server, UDP, files on the next (10040; 0: any free ones, named on stderr)");
   app.add_option("--motoros-port", o->motoros_port, "not part of this version: refused");
   app.add_option("--motoros-endian", o->motoros_endian, "not part of this version: refused");
   app.add_option("--model", o->model, "gp7, gp8 or motomini (gp7)");

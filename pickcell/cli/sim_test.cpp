@@ -78,7 +78,7 @@ int port_in(const std::string& said) {
 }
 
 TEST(Sim, SpeaksToAHostUntilItIsStopped) {
-  SimProcess sim({"--tcp80-port", "0", "--controller", "nx100", "--model", "motomini"});
+  SimProcess sim({"--tcp80-port", "0", "--hses-port", "0", "--controller", "nx100", "--model", "motomini"});
   const int port = port_in(sim.until("ready\n"));
   ASSERT_GT(port, 0);
   sim::LoopbackHost host(port);
@@ -92,13 +92,13 @@ TEST(Sim, SpeaksToAHostUntilItIsStopped) {
 }
 
 TEST(Sim, StopsOnInterruptToo) {
-  SimProcess sim({"--tcp80-port", "0", "--no-camera"});
+  SimProcess sim({"--tcp80-port", "0", "--hses-port", "0", "--no-camera"});
   ASSERT_GT(port_in(sim.until("ready\n")), 0);
   EXPECT_EQ(sim.stop(SIGINT), 0);
 }
 
 TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
-  for (const auto& options : std::vector<std::vector<std::string>>{{"--hses-port", "10040"},
+  for (const auto& options : std::vector<std::vector<std::string>>{{"--hses-port", "65535"},
                                                                    {"--motoros-port", "50240"},
                                                                    {"--motoros-endian", "big"},
                                                                    {"--camera"},
@@ -110,6 +110,7 @@ TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
                                                                    {"--scenario", "/no/such/file.toml"}}) {
     std::vector<std::string> words = options;
     if (options[0] != "--tcp80-port") words.insert(words.end(), {"--tcp80-port", "0"});
+    if (options[0] != "--hses-port") words.insert(words.end(), {"--hses-port", "0"});
     SimProcess sim(words);
     const std::string said = sim.until("ready\n");
     EXPECT_EQ(sim.exit_code(), 2) << options[0];
@@ -120,7 +121,8 @@ TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
 
 TEST(Sim, ReadsItsFileAndItsScenario) {
   const std::string path = testing::TempDir() + "pickcell_sim_test.toml";
-  std::ofstream(path) << "controller = \"dx200\"\ntcp80_port = 0\n[[event]]\nafter_command = 2\nfault = \"hold\"\n";
+  std::ofstream(path)
+      << "controller = \"dx200\"\ntcp80_port = 0\nhses_port = 0\n[[event]]\nafter_command = 2\nfault = \"hold\"\n";
   SimProcess sim({path});
   const int port = port_in(sim.until("ready\n"));
   ASSERT_GT(port, 0);

@@ -26,8 +26,8 @@ struct Options {
 };
 
 core::Status check(const Options& options) {
-  if (options.robot != "tcp80")
-    return failure(ErrorCode::usage, "--robot " + options.robot, "this version cannot speak it yet", "use tcp80");
+  if (options.robot != "tcp80" && options.robot != "hses")
+    return failure(ErrorCode::usage, "--robot " + options.robot, "no protocol that carries picks", "use tcp80 or hses");
   if (options.camera != "inprocess")
     return failure(ErrorCode::usage, "--camera " + options.camera, "this version cannot simulate it yet",
                    "use inprocess");
@@ -57,6 +57,10 @@ core::Result<int> run(const Options& options, Io& io) {
   if (options.seed && !options.cell.empty() && file->cell.camera.source != "sim" && file->cell.robot.link != "sim")
     return failure(ErrorCode::usage, "--seed", "nothing in " + options.cell + " is simulated", "leave it out");
   if (options.seed) file->sim.seed = *options.seed;
+  if (options.robot == "hses") file->sim.protocol = RobotProtocol::hses;
+  if (options.robot != "tcp80" && file->cell.robot.link != "sim")
+    return failure(ErrorCode::usage, "--robot " + options.robot, "the robot of " + options.cell + " is not simulated",
+                   "say hses:// in its [robot] link");
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
   if (!options.web_root.empty()) cell_run.web_root = options.web_root;

@@ -1,6 +1,7 @@
 #include "pickcell/robot/tcp80_client.hpp"
 
 #include <array>
+#include <stdexcept>
 #include <utility>
 
 #include "pickcell/core/log.hpp"
@@ -23,6 +24,11 @@ bool session_broke(const core::Error& error) {
 std::string without_end(std::string_view bytes) {
   while (bytes.ends_with('\r') || bytes.ends_with('\n')) bytes.remove_suffix(1);
   return std::string(bytes);
+}
+
+core::Error no_files(const std::string& job) {
+  return {
+      ErrorCode::usage, job, "TCP port 80 carries no files", "use an hses:// link, or load the job from a card", {}};
 }
 
 }  // namespace
@@ -234,5 +240,33 @@ core::Status Tcp80Client::reset_alarm() { return control("RESET", ""); }
 core::Status Tcp80Client::cancel_error() { return control("CANCEL", ""); }
 core::Status Tcp80Client::servo(bool on) { return control("SVON", on ? "1" : "0"); }
 core::Status Tcp80Client::start_job(const std::string& job) { return control("START", job); }
+
+core::Status Tcp80Client::move(const DirectMove& move) {
+  const Tcp80Move m = tcp80_move(move);
+  return control(m.command, m.operands);
+}
+
+core::Result<std::vector<std::string>> Tcp80Client::list_jobs() {
+  return read("RJDIR", "*",
+              [](std::string_view line) -> core::Result<std::vector<std::string>> { return parse_rjdir(line); });
+}
+
+core::Result<std::string> Tcp80Client::read_job_text(const std::string& job) { return tl::unexpected(no_files(job)); }
+core::Status Tcp80Client::write_job_text(const std::string& job, const std::string&) {
+  return tl::unexpected(no_files(job));
+}
+core::Status Tcp80Client::delete_job(const std::string& job) { return control("DELETE", job); }
+
+core::Status Tcp80Client::set_mode(bool play) { return control("MODE", play ? "2" : "1"); }
+core::Status Tcp80Client::set_cycle(int mode) { return control("CYCLE", std::to_string(mode)); }
+core::Status Tcp80Client::lock_pendant(bool on) { return control("HLOCK", on ? "1" : "0"); }
+core::Status Tcp80Client::show_message(const std::string& text) {
+  if (text.size() > 30) throw std::invalid_argument("a message has at most 30 bytes");
+  return control("MDSP", text);
+}
+core::Status Tcp80Client::select_job(const std::string& job, int line) {
+  return control("JSEQ", job + ',' + std::to_string(line));
+}
+core::Status Tcp80Client::set_master_job(const std::string& job) { return control("SETMJ", job); }
 
 }  // namespace pickcell::robot

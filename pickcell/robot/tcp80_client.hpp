@@ -11,6 +11,7 @@
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/robot/byte_link.hpp"
+#include "pickcell/robot/controller_link.hpp"
 #include "pickcell/robot/tcp80_codec.hpp"
 
 namespace pickcell::robot {
@@ -28,44 +29,64 @@ struct Tcp80Settings {
 ///
 /// Reads are repeated once on a new session when the session breaks: controllers close idle ones. Nothing that writes,
 /// starts or moves is ever repeated: whether it was done is for the caller to find out.
-class Tcp80Client {
+class Tcp80Client final : public ControllerLink {
  public:
   explicit Tcp80Client(Tcp80Settings settings);
 
   /// Opens a session; closes an open one first.
-  [[nodiscard]] core::Status connect();
-  [[nodiscard]] bool connected() const { return open_; }
-  void disconnect();
+  [[nodiscard]] core::Status connect() override;
+  [[nodiscard]] bool connected() const override { return open_; }
+  void disconnect() override;
   /// The controller's greeting, "" before the first.
   [[nodiscard]] const std::string& banner() const { return banner_; }
   /// host:port
-  [[nodiscard]] std::string peer() const;
+  [[nodiscard]] std::string peer() const override;
 
-  [[nodiscard]] core::Result<RobotState> read_status();
-  [[nodiscard]] core::Result<std::vector<Alarm>> read_alarms();
-  [[nodiscard]] core::Result<CartesianPosition> read_position(int frame);
-  [[nodiscard]] core::Result<std::vector<std::int32_t>> read_pulses();
-  [[nodiscard]] core::Result<CurrentJob> read_job();
+  [[nodiscard]] core::Result<RobotState> read_status() override;
+  [[nodiscard]] core::Result<std::vector<Alarm>> read_alarms() override;
+  [[nodiscard]] core::Result<CartesianPosition> read_position(int frame) override;
+  [[nodiscard]] core::Result<std::vector<std::int32_t>> read_pulses() override;
+  [[nodiscard]] core::Result<CurrentJob> read_job() override;
 
   /// B, I or D.
-  [[nodiscard]] core::Result<std::int32_t> read_integer(VariableType type, int number);
-  [[nodiscard]] core::Result<double> read_real(int number);
-  [[nodiscard]] core::Result<VariablePosition> read_position_variable(int number);
-  [[nodiscard]] core::Status write_integer(VariableType type, int number, std::int32_t value);
-  [[nodiscard]] core::Status write_real(int number, double value);
-  [[nodiscard]] core::Status write_position_variable(int number, const VariablePosition& position);
+  [[nodiscard]] core::Result<std::int32_t> read_integer(VariableType type, int number) override;
+  [[nodiscard]] core::Result<double> read_real(int number) override;
+  [[nodiscard]] core::Result<VariablePosition> read_position_variable(int number) override;
+  [[nodiscard]] core::Status write_integer(VariableType type, int number, std::int32_t value) override;
+  [[nodiscard]] core::Status write_real(int number, double value) override;
+  [[nodiscard]] core::Status write_position_variable(int number, const VariablePosition& position) override;
 
   /// Contacts come in groups of eight: `first` ends in 0; bit n of a byte is contact first + n (of the next ten: +10).
-  [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups);
+  [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups) override;
   /// Network inputs only, see section 1.6.
-  [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups);
+  [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups) override;
 
-  [[nodiscard]] core::Status hold(bool on);
-  [[nodiscard]] core::Status reset_alarm();
-  [[nodiscard]] core::Status cancel_error();
-  [[nodiscard]] core::Status servo(bool on);
-  /// Makes the job current and starts it at its first line.
-  [[nodiscard]] core::Status start_job(const std::string& job);
+  [[nodiscard]] core::Status hold(bool on) override;
+  [[nodiscard]] core::Status reset_alarm() override;
+  [[nodiscard]] core::Status cancel_error() override;
+  [[nodiscard]] core::Status servo(bool on) override;
+  [[nodiscard]] core::Status start_job(const std::string& job) override;
+  [[nodiscard]] core::Status move(const DirectMove& move) override;
+  /// The greeting.
+  [[nodiscard]] core::Result<std::string> identity() override { return banner_; }
+  [[nodiscard]] core::Result<std::vector<std::string>> list_jobs() override;
+  /// This protocol carries no files: usage.
+  [[nodiscard]] core::Result<std::string> read_job_text(const std::string& job) override;
+  [[nodiscard]] core::Status write_job_text(const std::string& job, const std::string& text) override;
+  [[nodiscard]] core::Status delete_job(const std::string& job) override;
+
+  // what other protocols do otherwise
+  /// true: play, false: teach. Needs external mode switching permitted.
+  [[nodiscard]] core::Status set_mode(bool play);
+  /// 1 step, 2 one cycle, 3 continuous.
+  [[nodiscard]] core::Status set_cycle(int mode);
+  /// Locks pendant and I/O operation, emergency stop excepted.
+  [[nodiscard]] core::Status lock_pendant(bool on);
+  /// At most 30 bytes; more throw std::invalid_argument.
+  [[nodiscard]] core::Status show_message(const std::string& text);
+  /// Selects without starting; line 0..9999.
+  [[nodiscard]] core::Status select_job(const std::string& job, int line);
+  [[nodiscard]] core::Status set_master_job(const std::string& job);
 
  private:
   enum class Kind { read, control };

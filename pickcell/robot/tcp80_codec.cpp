@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace pickcell::robot {
 
@@ -162,6 +163,20 @@ std::string tcp80_write_position(int number, const VariablePosition& position) {
   return tcp80_read_variable(VariableType::position, number) + ',' + tcp80_position_fields(position);
 }
 
+Tcp80Move tcp80_move(const DirectMove& move) {
+  const bool joint = move.kind == DirectMove::Kind::joint;
+  std::string operands;
+  if (!joint) operands = "0,";  // V: mm/s
+  append_fixed(operands, move.speed, joint ? 2 : 1);
+  const CartesianPosition& p = move.target;
+  operands += ',' + std::to_string(p.frame);
+  for (const double mm : {p.x_mm, p.y_mm, p.z_mm}) append_fixed(operands += ',', mm, 3);
+  for (const double deg : {p.rx_deg, p.ry_deg, p.rz_deg}) append_fixed(operands += ',', deg, 4);
+  if (p.re_deg) append_fixed(operands += ',', *p.re_deg, 4);
+  operands += ',' + std::to_string(tcp80_form(p.form)) + ',' + std::to_string(p.tool) + ",0,0,0,0,0,0";
+  return {joint ? "MOVJ" : move.kind == DirectMove::Kind::line ? "MOVL" : "IMOV", std::move(operands)};
+}
+
 std::string tcp80_position_fields(const VariablePosition& position) {
   if (const auto* pulse = std::get_if<PulsePosition>(&position)) {
     std::string out = "0";
@@ -251,6 +266,20 @@ core::Result<CurrentJob> parse_rjseq(std::string_view line) {
   CurrentJob job{std::string(fields[0]), reader.integer(0, 9999), reader.integer(0, 9999)};
   if (!reader.good()) return malformed("RJSEQ", line);
   return job;
+}
+
+std::vector<std::string> parse_rjdir(std::string_view line) {
+  std::vector<std::string> names;
+  std::string name;
+  for (const char c : line) {
+    if (c != ',' && c != ' ' && c != '\t') {
+      name += c;
+    } else if (!name.empty()) {
+      names.push_back(std::exchange(name, {}));
+    }
+  }
+  if (!name.empty()) names.push_back(std::move(name));
+  return names;
 }
 
 core::Result<std::int32_t> parse_integer_variable(std::string_view line, VariableType type) {

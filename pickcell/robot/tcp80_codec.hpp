@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pickcell/core/result.hpp"
+#include "pickcell/robot/controller_link.hpp"
 #include "pickcell/robot/position.hpp"
 #include "pickcell/robot/robot.hpp"
 
@@ -65,14 +66,16 @@ struct Tcp80Request {
 };
 [[nodiscard]] Tcp80Request tcp80_request(std::string_view command, std::string_view operands = {});
 
-/// Variables by type number (section 1.6).
-enum class VariableType { byte = 0, integer = 1, double_integer = 2, real = 3, position = 4 };
-
 /// Operands. Numbers are the caller's; positions must be finite (throws std::invalid_argument).
 [[nodiscard]] std::string tcp80_read_variable(VariableType type, int number);
 [[nodiscard]] std::string tcp80_write_integer(VariableType type, int number, std::int32_t value);
 [[nodiscard]] std::string tcp80_write_real(int number, double value);
 [[nodiscard]] std::string tcp80_write_position(int number, const VariablePosition& position);
+/// A direct move as command and operands (section 1.5): MOVJ speed %, MOVL and IMOV speed in mm/s; no external axes.
+struct Tcp80Move {
+  std::string command, operands;
+};
+[[nodiscard]] Tcp80Move tcp80_move(const DirectMove& move);
 /// The fields of a position as they stand in LOADV and SAVEV.
 [[nodiscard]] std::string tcp80_position_fields(const VariablePosition& position);
 
@@ -91,12 +94,10 @@ enum class VariableType { byte = 0, integer = 1, double_integer = 2, real = 3, p
 /// Error first, then alarms; entries with code 0 are left out, so a healthy controller gives none.
 [[nodiscard]] core::Result<std::vector<Alarm>> parse_ralarm(std::string_view line);
 
-struct CurrentJob {
-  std::string name;
-  int line = 0;
-  int step = 0;
-};
 [[nodiscard]] core::Result<CurrentJob> parse_rjseq(std::string_view line);
+
+/// Job names of RJDIR; the separator is not certain, so commas and blanks count.
+[[nodiscard]] std::vector<std::string> parse_rjdir(std::string_view line);
 
 /// B 0..255, I and D in their ranges.
 [[nodiscard]] core::Result<std::int32_t> parse_integer_variable(std::string_view line, VariableType type);

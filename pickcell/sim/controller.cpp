@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pickcell/sim/hses_commands.hpp"
 #include "pickcell/sim/job_interpreter.hpp"
 
 namespace pickcell::sim {
@@ -38,7 +39,7 @@ AnswerFault answer_fault(Fault fault) {
 core::Result<std::unique_ptr<Controller>> Controller::switch_on(const ControllerSettings& settings, core::Clock& clock,
                                                                 Plant* plant) {
   std::unique_ptr<Controller> controller(new Controller(settings, clock, plant));
-  if (auto opened = controller->tcp80_.open(); !opened) return core::forward(opened);
+  if (auto opened = controller->open_doors(); !opened) return core::forward(opened);
   controller->life_ = std::jthread([c = controller.get()] { c->live(); });
   return controller;
 }
@@ -50,13 +51,29 @@ Controller::Controller(const ControllerSettings& settings, core::Clock& clock, P
       wired_inputs_(settings.wired_inputs),
       state_(settings),
       seat_(clock.join("controller")),
-      tcp80_(door(settings),
-             [this](std::string_view command, std::string_view operands) { return execute(command, operands); }) {
+      tcp80_(
+          door(settings),
+          [this](std::string_view command, std::string_view operands) { return execute(command, operands); },
+          answer_faults_),
+      hses_(
+          {settings.bind, settings.hses_port}, [this](const robot::HsesRequest& r) { return execute(r); },
+          answer_faults_) {
+  state_.unix_us = state_.switched_on_unix_us = clock.unix_us();
   if (!(tick_s_ > 0)) throw std::invalid_argument("a tick must be longer than 0 s");
+}
+
+core::Status Controller::open_doors() {
+  if (auto opened = tcp80_.open(); !opened) return opened;
+  if (auto opened = hses_.open(); !opened) {
+    tcp80_.close();
+    return opened;
+  }
+  return {};
 }
 
 Controller::~Controller() {
   tcp80_.close();
+  hses_.close();
   stopping_ = true;
   if (life_.joinable()) {
     seat_->interrupt();
@@ -101,6 +118,7 @@ void Controller::tick() {
   {
     const std::lock_guard lock(mutex_);
     state_.inputs = inputs;
+    state_.unix_us = clock_.unix_us();
     for (const FaultEvent& event : plan_.due(core::seconds(clock_.now() - plan_start_), state_.move.has_value()))
       apply(state_, event, {});
     run_tick(state_, tick_s_);
@@ -124,6 +142,24 @@ Tcp80Answer Controller::execute(std::string_view command, std::string_view opera
   return answer;
 }
 
+HsesServer::Executed Controller::execute(const robot::HsesRequest& request) {
+  const bool files = request.division == robot::HsesDivision::file;
+  HsesServer::Executed done;
+  done.name = files ? "FILE" : hses_command_name(request);
+  const GeneralContacts inputs = scan_inputs();
+  ForPlant events;
+  {
+    const std::lock_guard lock(mutex_);
+    state_.inputs = inputs;
+    done.answer = files ? files_.handle(state_, request) : execute_hses(state_, request);
+    done.try_again_soon = files && done.answer && HsesFiles::in_use(*done.answer);
+    for (const FaultEvent& event : plan_.after(done.name)) apply(state_, event, done.name);
+    events = take_events(state_);
+  }
+  deliver(events);
+  return done;
+}
+
 void Controller::apply(ControllerState& state, const FaultEvent& event, std::string_view command) {
   switch (event.fault) {
     case Fault::alarm:
@@ -139,7 +175,7 @@ void Controller::apply(ControllerState& state, const FaultEvent& event, std::str
       state.servo = false;
       return;
     default:
-      tcp80_.inject({answer_fault(event.fault), event.count, std::string(command), event.delay_s});
+      answer_faults_.inject({answer_fault(event.fault), event.count, std::string(command), event.delay_s});
   }
 }
 
@@ -184,9 +220,13 @@ void Controller::inject(const FaultEvent& event) {
 
 void Controller::kill() {
   tcp80_.close();
-  with_state([](ControllerState& state) { state.lose_power(); });
+  hses_.close();
+  with_state([this](ControllerState& state) {
+    state.lose_power();
+    files_ = {};
+  });
 }
 
-core::Status Controller::revive() { return tcp80_.open(); }
+core::Status Controller::revive() { return open_doors(); }
 
 }  // namespace pickcell::sim

@@ -14,6 +14,8 @@
 #include "pickcell/core/result.hpp"
 #include "pickcell/sim/controller_state.hpp"
 #include "pickcell/sim/fault_plan.hpp"
+#include "pickcell/sim/hses_files.hpp"
+#include "pickcell/sim/hses_server.hpp"
 #include "pickcell/sim/plant.hpp"
 #include "pickcell/sim/tcp80_server.hpp"
 
@@ -34,6 +36,8 @@ class Controller {
   Controller& operator=(const Controller&) = delete;
 
   [[nodiscard]] int tcp80_port() const { return tcp80_.port(); }
+  /// Of robot control over UDP; files are on the next one.
+  [[nodiscard]] int hses_port() const { return hses_.port(); }
   /// Where the mounted tool is now.
   [[nodiscard]] ToolPose T_base_tool() const;
   [[nodiscard]] FlangePose T_base_flange() const;
@@ -58,6 +62,8 @@ class Controller {
   void live();
   void tick();
   Tcp80Answer execute(std::string_view command, std::string_view operands);
+  HsesServer::Executed execute(const robot::HsesRequest& request);
+  [[nodiscard]] core::Status open_doors();
   void apply(ControllerState& state, const FaultEvent& event, std::string_view command);
   /// What the state has noted for the plant, delivered without the lock.
   struct ForPlant {
@@ -79,7 +85,10 @@ class Controller {
   core::TimePoint plan_start_{};
   std::unique_ptr<core::Seat> seat_;
   std::atomic<bool> stopping_ = false;
+  HsesFiles files_;  ///< guarded by mutex_
+  AnswerFaults answer_faults_;
   Tcp80Server tcp80_;
+  HsesServer hses_;
   std::jthread life_;
 };
 

@@ -1,6 +1,6 @@
 #include "pickcell/sim/controller_commands.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "pickcell/core/units.hpp"
 #include "pickcell/sim/position_solver.hpp"
@@ -140,10 +140,7 @@ Refusal delete_job(ControllerState& s, std::string_view job) {
   const auto gone = [&](std::string_view name) { return job == "*" || job == name; };
   std::erase_if(s.jobs, [&](const auto& entry) { return gone(entry.first); });
   if (gone(s.master_job)) s.master_job.clear();
-  const auto& callers = s.task.callers;
-  const bool in_use = (s.task.at.job && gone(s.task.at.job->name)) ||
-                      std::any_of(callers.begin(), callers.end(), [&](const auto& c) { return gone(c.job->name); });
-  if (in_use) {
+  if (job == "*" || s.in_use(job)) {
     s.task = {};
     s.move.reset();
   }
@@ -166,6 +163,15 @@ Refusal move_line(ControllerState& s, const Position& target, LineSpeed speed) {
                       plan_line(s, target, speed.turning ? kNoLimit_m_s : core::m_from_mm(speed.value),
                                 speed.turning ? core::rad_from_deg(speed.value) : s.limits.turn_speed_rad_s),
                       target.tool);
+}
+
+std::optional<Position> from_tool_frame(const ControllerState& s, const Position& in_tool) {
+  if (in_tool.pulse || in_tool.frame != kToolFrame) return std::nullopt;
+  const ToolPose now = s.T_base_flange() * s.tools[static_cast<std::size_t>(in_tool.tool)];
+  Position p = in_tool;
+  p.frame = 0;
+  p.axis = cartesian_from_pose(now.iso() * pose_from_cartesian(in_tool.axis));
+  return p;
 }
 
 Refusal move_by(ControllerState& s, int frame, const Cartesian& difference, int tool, LineSpeed speed) {

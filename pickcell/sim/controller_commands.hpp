@@ -2,6 +2,7 @@
 /// What a host may order, whatever door it comes through, with the refusals of docs/yaskawa-protocols 2.7 in the order
 /// of section 7, point 4 (remote, alarm, hold, mode, servo, moving, job).
 
+#include <optional>
 #include <string_view>
 
 #include "pickcell/sim/controller_state.hpp"
@@ -57,6 +58,8 @@ struct LineSpeed {
 /// Way and turn are given in the named frame's directions.
 [[nodiscard]] Refusal move_by(ControllerState& state, int frame, const Cartesian& difference, int tool,
                               LineSpeed speed);
+/// The same place in the base frame, when the position is in the frame of its tool as the arm stands now.
+[[nodiscard]] std::optional<Position> from_tool_frame(const ControllerState& state, const Position& in_tool);
 /// Writing variables and contacts needs remote as well: reading works without (section 1.0).
 [[nodiscard]] Refusal may_write(const ControllerState& state);
 

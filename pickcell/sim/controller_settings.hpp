@@ -17,6 +17,7 @@ struct ControllerSettings {
   std::string banner;            ///< NX, DX, YR; empty: the type's own
   std::string bind = "127.0.0.1";
   int tcp80_port = 0;             ///< 0: any free port
+  int hses_port = 0;              ///< UDP, of robot control; files on the next one; 0: any two free ones
   double segment_pause_s = 0;     ///< wall time between the OK line and the result; real clients want 0.02
   std::vector<std::string> jobs;  ///< texts of jobs to load (see shipped_jobs())
   double tool_length_m = 0.150;   ///< the mounted tool, as tool 1: along the flange's Z

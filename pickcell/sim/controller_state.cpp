@@ -1,5 +1,6 @@
 #include "pickcell/sim/controller_state.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -56,11 +57,23 @@ void ControllerState::load_job(JobProgram job) {
   for (const auto& [n, position] : job.p_variables) P[static_cast<std::size_t>(n)] = position;
   auto shared = std::make_shared<const JobProgram>(std::move(job));
   jobs[shared->name] = shared;
+  if (task.running || !in_use(shared->name)) return;
+  task = {};
+  task.at.job = shared;
+  move.reset();
+}
+
+bool ControllerState::in_use(std::string_view job) const {
+  return (task.at.job && task.at.job->name == job) ||
+         std::any_of(task.callers.begin(), task.callers.end(), [&](const auto& c) { return c.job->name == job; });
 }
 
 void ControllerState::raise_alarm(AlarmEntry alarm) {
+  alarm.unix_us = unix_us;
+  constexpr std::size_t kShown = 4, kRemembered = 100;
+  alarm_history.insert(alarm_history.begin(), alarm);
   alarms.insert(alarms.begin(), std::move(alarm));
-  constexpr std::size_t kShown = 4;
+  if (alarm_history.size() > kRemembered) alarm_history.resize(kRemembered);
   if (alarms.size() > kShown) alarms.resize(kShown);
   servo = false;
 }

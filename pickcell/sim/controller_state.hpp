@@ -22,6 +22,13 @@ struct AlarmEntry {
   int code = 0;
   int data = 0;
   std::string text;
+  std::int64_t unix_us = 0;  ///< when it was raised
+};
+
+/// A BP or EX variable: there are no such axes here, it is only kept.
+struct AxisPosition {
+  std::uint32_t type = 0;
+  std::array<std::int32_t, 8> axes{};
 };
 
 /// Alarm numbers of the simulation. Recalled, not confirmed by a source that was read.
@@ -83,8 +90,9 @@ struct ControllerState {
   std::array<std::int16_t, 100> I{};
   std::array<std::int32_t, 100> D{};
   std::array<float, 100> R{};
-  std::array<std::string, 100> S;  ///< at most 16 bytes each
+  std::array<std::string, 100> S;  ///< at most 32 bytes each; 16 over TCP 80 and in jobs
   std::array<std::optional<Position>, 128> P;
+  std::array<AxisPosition, 128> BP{}, EX{};
   std::array<std::uint16_t, 1000> M{};
 
   // contacts
@@ -105,10 +113,15 @@ struct ControllerState {
   bool hold_pendant = false, hold_external = false, hold_command = false;
   bool pendant_locked = false;
   CycleMode cycle = CycleMode::one_cycle;
-  std::vector<AlarmEntry> alarms;  ///< newest first
+  std::vector<AlarmEntry> alarms;         ///< newest first
+  std::vector<AlarmEntry> alarm_history;  ///< newest first, also after they are reset
   bool error = false;
   std::string pendant_message;
+  std::int64_t unix_us = 0;  ///< the controller's date, set by whoever lets it live
+  std::int64_t switched_on_unix_us = 0;
 
+  /// The job is the task's own or one of its callers.
+  [[nodiscard]] bool in_use(std::string_view job) const;
   [[nodiscard]] bool held() const { return hold_pendant || hold_external || hold_command; }
   /// A job or a direct move runs, or is still slowing down.
   [[nodiscard]] bool running() const { return task.running || direct_move; }
@@ -124,7 +137,8 @@ struct ControllerState {
   [[nodiscard]] std::optional<Eigen::Isometry3d> frame(int number) const;
   [[nodiscard]] bool frame_exists(int number) const;
 
-  /// Takes a job in; its P variables are loaded. An existing one of that name is replaced.
+  /// Takes a job in; its P variables are loaded. An existing one of that name is replaced; the task, when it stands in
+  /// the old one, is then at its first line.
   void load_job(JobProgram job);
 
   // what people and machines do to a controller

@@ -8,13 +8,18 @@
 
 namespace pickcell::sim {
 
+/// Frame number of positions in the frame of the tool: beyond every user frame. Only HSES can write them.
+constexpr int kToolFrame = 1000;
+
 /// A P variable or taught position.
 struct Position {
   bool pulse = false;
-  int frame = 0;                       ///< cartesian: 0 base, 1 robot, 2.. user 1..
+  int frame = 0;                       ///< cartesian: 0 base, 1 robot, 2.. user 1.., kToolFrame
   std::array<std::int32_t, 6> axis{};  ///< pulses S L U R B T, or X Y Z in 0.001 mm and Rx Ry Rz in 0.0001 deg
   int form = 0;                        ///< bits in the order of TCP port 80
   int tool = 0;
+  std::uint32_t extended_form = 0;          ///< as written over HSES; means nothing to a six-axis arm
+  std::array<std::int32_t, 2> more_axes{};  ///< seventh and eighth axis, the same
   bool operator==(const Position&) const = default;
 };
 

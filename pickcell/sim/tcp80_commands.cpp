@@ -48,6 +48,7 @@ std::string joined(const std::vector<std::string>& parts) {
 constexpr double kAnyPulse = 2147483647;
 constexpr double kFarthest_mm = 999999.999, kWidest_deg = 360;
 constexpr int kFormBits = 63, kTools = 63;
+constexpr std::size_t kTextBytes = 16;
 
 /// X,Y,Z,Rx,Ry,Rz in mm and degrees.
 std::optional<Cartesian> cartesian(const Fields& f, std::size_t from) {
@@ -142,7 +143,7 @@ Outcome savev(ControllerState& s, const Fields& f) {
     case kR:
       return format("%.6f", static_cast<double>(s.R[i]));
     case kS:
-      return s.S[i];
+      return s.S[i].substr(0, kTextBytes);
     case kP:
       break;
     default:
@@ -151,7 +152,8 @@ Outcome savev(ControllerState& s, const Fields& f) {
   if (!s.P[i]) return Refusal::position_missing;
   const Position& p = *s.P[i];
   if (!p.pulse)
-    return format("1,%d,", p.frame) + cartesian_text(p.axis, s.type.angle_decimals) + format(",%d,%d", p.form, p.tool);
+    return format("1,%d,", p.frame == kToolFrame ? s.type.user_frames + 2 : p.frame) +
+           cartesian_text(p.axis, s.type.angle_decimals) + format(",%d,%d", p.form, p.tool);
   std::string out = "0";
   for (const std::int32_t pulse : p.axis) out += "," + std::to_string(pulse);
   return out + "," + std::to_string(p.tool);
@@ -210,8 +212,7 @@ Outcome load_real(ControllerState& s, std::size_t i, std::string_view text) {
 }
 
 Outcome load_text(ControllerState& s, std::size_t i, std::string_view text) {
-  constexpr std::size_t kBytes = 16;
-  if (text.size() > kBytes) return Refusal::operand_length;
+  if (text.size() > kTextBytes) return Refusal::operand_length;
   if (const Refusal refusal = may_write(s); refusal != Refusal::none) return refusal;
   s.S[i] = std::string(text);
   return Refusal::none;

@@ -231,7 +231,7 @@ class Tcp80Server::Loop {
     const std::string bytes = server_.execute_(step.command->name, step.command->operands).bytes();
     const auto due = std::max(now, c.ok_sent + wall(server_.settings_.segment_pause_s));
     const Then then = step.close ? Then::close : Then::go_on;
-    const auto fault = server_.next_fault(step.command->name);
+    const auto fault = server_.faults_.next(step.command->name);
     if (!fault) {
       c.out.push_back({due, bytes, then});
       return;
@@ -262,8 +262,8 @@ class Tcp80Server::Loop {
   std::list<Connection> connections_;
 };
 
-Tcp80Server::Tcp80Server(Tcp80Settings settings, Execute execute)
-    : settings_(std::move(settings)), execute_(std::move(execute)) {}
+Tcp80Server::Tcp80Server(Tcp80Settings settings, Execute execute, AnswerFaults& faults)
+    : settings_(std::move(settings)), execute_(std::move(execute)), faults_(faults) {}
 
 Tcp80Server::~Tcp80Server() { close(); }
 
@@ -289,21 +289,6 @@ void Tcp80Server::close() {
   thread_.join();
   (void)::close(std::exchange(listener_, -1));
   (void)::close(std::exchange(wake_, -1));
-}
-
-void Tcp80Server::inject(Tcp80Fault fault) {
-  const std::lock_guard lock(faults_mutex_);
-  faults_.push_back(std::move(fault));
-}
-
-std::optional<Tcp80Fault> Tcp80Server::next_fault(std::string_view command) {
-  const std::lock_guard lock(faults_mutex_);
-  const auto found = std::find_if(faults_.begin(), faults_.end(),
-                                  [&](const Tcp80Fault& f) { return f.command.empty() || f.command == command; });
-  if (found == faults_.end()) return std::nullopt;
-  Tcp80Fault fault = *found;
-  if (--found->count <= 0) faults_.erase(found);
-  return fault;
 }
 
 }  // namespace pickcell::sim

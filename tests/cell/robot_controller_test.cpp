@@ -4,13 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <random>
 
 #include "pickcell/cell/journal.hpp"
-#include "pickcell/robot/tcp80_robot.hpp"
+#include "pickcell/robot/hses_client.hpp"
+#include "pickcell/robot/job_robot.hpp"
+#include "pickcell/robot/tcp80_client.hpp"
 #include "pickcell/sim/controller.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 
@@ -70,11 +73,15 @@ class GripperPlant final : public sim::Plant {
   bool holds_ = false, empty_ = false;
 };
 
-class RobotAndController : public ::testing::Test {
+enum class Protocol { tcp80, hses };
+
+/// Every test over both protocols: what a robot does must not depend on the wire.
+class RobotAndController : public ::testing::TestWithParam<Protocol> {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("pickcell_robot_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("pickcell_robot_" + name);
     std::filesystem::remove_all(folder_);
     sim::ControllerSettings settings;
     settings.jobs = sim::shipped_jobs();
@@ -95,13 +102,24 @@ class RobotAndController : public ::testing::Test {
     auto journal = cell::SqliteJournal::open(folder_ / "journal.db");
     ASSERT_TRUE(journal) << journal.error().line();
     journal_ = std::move(*journal);
-    robot::Tcp80RobotSettings settings;
-    settings.link.host = "127.0.0.1";
-    settings.link.port = controller_->tcp80_port();
-    settings.link.line_timeout = settings.link.result_timeout = answer_timeout_;
+    robot::JobRobotSettings settings;
     settings.limits.box_min_mm = {150, -500, -300};
     settings.limits.box_max_mm = {700, 500, 400};
-    robot_ = std::make_unique<robot::Tcp80Robot>(settings, *journal_, clock_);
+    robot_ = std::make_unique<robot::JobRobot>(settings, link(), *journal_, clock_);
+  }
+  std::unique_ptr<robot::ControllerLink> link() {
+    if (GetParam() == Protocol::hses) {
+      robot::HsesSettings settings;
+      settings.host = "127.0.0.1";
+      settings.port = controller_->hses_port();
+      settings.timeout = answer_timeout_ / settings.tries;
+      return std::make_unique<robot::HsesClient>(settings);
+    }
+    robot::Tcp80Settings settings;
+    settings.host = "127.0.0.1";
+    settings.port = controller_->tcp80_port();
+    settings.line_timeout = settings.result_timeout = answer_timeout_;
+    return std::make_unique<robot::Tcp80Client>(settings);
   }
 
   static core::Transform<core::Base, core::Tool> above(double x_mm, double y_mm, double z_mm, double angle_rad) {
@@ -146,10 +164,10 @@ class RobotAndController : public ::testing::Test {
   GripperPlant plant_;
   std::unique_ptr<sim::Controller> controller_;
   std::unique_ptr<cell::SqliteJournal> journal_;
-  std::unique_ptr<robot::Tcp80Robot> robot_;
+  std::unique_ptr<robot::JobRobot> robot_;
 };
 
-TEST_F(RobotAndController, PicksAndPlacesWhereItIsTold) {
+TEST_P(RobotAndController, PicksAndPlacesWhereItIsTold) {
   ASSERT_TRUE(ready());
   for (int n = 0; n < 3; ++n) {
     const auto sequence = robot_->submit(pick(n));
@@ -170,7 +188,7 @@ TEST_F(RobotAndController, PicksAndPlacesWhereItIsTold) {
   for (const auto& row : rows()) EXPECT_EQ(row.state, CommandState::done);
 }
 
-TEST_F(RobotAndController, StateAndPoseAgreeWithTheController) {
+TEST_P(RobotAndController, StateAndPoseAgreeWithTheController) {
   ASSERT_TRUE(ready());
   const auto state = robot_->state();
   ASSERT_TRUE(state);
@@ -187,7 +205,7 @@ TEST_F(RobotAndController, StateAndPoseAgreeWithTheController) {
   EXPECT_TRUE(robot_->read_contact(10).value());
 }
 
-TEST_F(RobotAndController, AnEmptyGripIsRefusedWithItsReason) {
+TEST_P(RobotAndController, AnEmptyGripIsRefusedWithItsReason) {
   plant_.take_parts_away();
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));
@@ -198,7 +216,7 @@ TEST_F(RobotAndController, AnEmptyGripIsRefusedWithItsReason) {
   ASSERT_TRUE(robot_->submit(pick(1)));  // and the next one goes
 }
 
-TEST_F(RobotAndController, NothingOutsideTheBoxEverLeavesThePc) {
+TEST_P(RobotAndController, NothingOutsideTheBoxEverLeavesThePc) {
   ASSERT_TRUE(ready());
   auto outside = pick(0);
   outside.T_base_place = above(450, 510, -60, 0);
@@ -220,18 +238,16 @@ TEST_F(RobotAndController, NothingOutsideTheBoxEverLeavesThePc) {
   EXPECT_EQ(controller_->copy_of_state().D[10], 0);
 }
 
-TEST_F(RobotAndController, TheJobRefusesWhatIsOutsideItsOwnWindow) {
+TEST_P(RobotAndController, TheJobRefusesWhatIsOutsideItsOwnWindow) {
   ASSERT_TRUE(ready());
   auto far = pick(0);
   far.T_base_place = above(450, 150, -60, 0);
   far.T_base_grasp = above(160, -100, -310, 0);  // inside the PC's limits of another cell, outside the job's
-  robot::Tcp80RobotSettings wide;
-  wide.link.host = "127.0.0.1";
-  wide.link.port = controller_->tcp80_port();
+  robot::JobRobotSettings wide;
   wide.limits.box_min_mm = {-1000, -1000, -1000};
   wide.limits.box_max_mm = {1000, 1000, 1000};
   far.T_base_grasp = above(90, -100, -50, 0);
-  robot_ = std::make_unique<robot::Tcp80Robot>(wide, *journal_, clock_);
+  robot_ = std::make_unique<robot::JobRobot>(wide, link(), *journal_, clock_);
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(far));
   const auto outcome = wait();
@@ -240,7 +256,7 @@ TEST_F(RobotAndController, TheJobRefusesWhatIsOutsideItsOwnWindow) {
   EXPECT_TRUE(plant_.acts().empty());
 }
 
-TEST_F(RobotAndController, AWithdrawnPickIsNeverStarted) {
+TEST_P(RobotAndController, AWithdrawnPickIsNeverStarted) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));  // simulated time stands still: the job has not looked yet
   const auto outcome = robot_->withdraw(*seat_);
@@ -257,7 +273,7 @@ TEST_F(RobotAndController, AWithdrawnPickIsNeverStarted) {
   EXPECT_EQ(plant_.acts().size(), 4u);
 }
 
-TEST_F(RobotAndController, PowerLossInAPickIsUnknownUntilAPersonHasLooked) {
+TEST_P(RobotAndController, PowerLossInAPickIsUnknownUntilAPersonHasLooked) {
   ASSERT_TRUE(ready());
   const auto sequence = robot_->submit(pick(0));
   until_acts(1);
@@ -289,7 +305,7 @@ TEST_F(RobotAndController, PowerLossInAPickIsUnknownUntilAPersonHasLooked) {
   EXPECT_GE(plant_.acts().size(), acts_before + 2);
 }
 
-TEST_F(RobotAndController, APersonMayConfirmBeforeTheStart) {
+TEST_P(RobotAndController, APersonMayConfirmBeforeTheStart) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));
   until_acts(1);
@@ -302,7 +318,7 @@ TEST_F(RobotAndController, APersonMayConfirmBeforeTheStart) {
   EXPECT_EQ(robot_->take_settled().at(0).kind, OutcomeKind::unknown);
 }
 
-TEST_F(RobotAndController, AConnectingPcDoesNotReleaseAJobThatWaitsForAPerson) {
+TEST_P(RobotAndController, AConnectingPcDoesNotReleaseAJobThatWaitsForAPerson) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));
   until_acts(1);
@@ -321,7 +337,7 @@ TEST_F(RobotAndController, AConnectingPcDoesNotReleaseAJobThatWaitsForAPerson) {
   EXPECT_TRUE(robot_->start(*seat_));
 }
 
-TEST_F(RobotAndController, SomethingInTheGripperAtTheStartNeedsAPerson) {
+TEST_P(RobotAndController, SomethingInTheGripperAtTheStartNeedsAPerson) {
   plant_.put_into_gripper(true);
   seat_->sleep_for(100ms);
   const auto started = ready();
@@ -332,7 +348,7 @@ TEST_F(RobotAndController, SomethingInTheGripperAtTheStartNeedsAPerson) {
   EXPECT_TRUE(robot_->start(*seat_));
 }
 
-TEST_F(RobotAndController, APcThatDiesInAPickLearnsItsOutcome) {
+TEST_P(RobotAndController, APcThatDiesInAPickLearnsItsOutcome) {
   ASSERT_TRUE(ready());
   const auto sequence = robot_->submit(pick(0));
   until_acts(1);
@@ -346,7 +362,7 @@ TEST_F(RobotAndController, APcThatDiesInAPickLearnsItsOutcome) {
   EXPECT_EQ(plant_.acts().size(), 2u);
 }
 
-TEST_F(RobotAndController, AMissingJournalNeedsAPerson) {
+TEST_P(RobotAndController, AMissingJournalNeedsAPerson) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));
   ASSERT_TRUE(wait());
@@ -368,7 +384,7 @@ TEST_F(RobotAndController, AMissingJournalNeedsAPerson) {
   EXPECT_TRUE(robot_->connect(*seat_)) << "confirmed once, known for good";
 }
 
-TEST_F(RobotAndController, EveryHindranceIsNamedBeforeAnythingMoves) {
+TEST_P(RobotAndController, EveryHindranceIsNamedBeforeAnythingMoves) {
   ASSERT_TRUE(robot_->connect(*seat_));
   const auto start_says = [this] { return robot_->start(*seat_).error().line(); };
   controller_->with_state([](sim::ControllerState& s) { s.turn_key_to_teach(); });
@@ -385,7 +401,7 @@ TEST_F(RobotAndController, EveryHindranceIsNamedBeforeAnythingMoves) {
   EXPECT_THAT(start_says(), HasSubstr("4040: no such job; load VISPICK.JBI"));
 }
 
-TEST_F(RobotAndController, HeldInAPickAndStartedAgain) {
+TEST_P(RobotAndController, HeldInAPickAndStartedAgain) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));
   until_acts(1);
@@ -403,7 +419,7 @@ TEST_F(RobotAndController, HeldInAPickAndStartedAgain) {
 }
 
 /// Faults at random, for every stage of a pick: what is gripped is gripped once per number, and the record knows it.
-TEST_F(RobotAndController, NoPickIsExecutedTwiceOrLostFromTheRecord) {
+TEST_P(RobotAndController, NoPickIsExecutedTwiceOrLostFromTheRecord) {
   answer_timeout_ = std::chrono::milliseconds(300);  // answers that do not come are waited for
   boot();
   std::mt19937 random(20261122);
@@ -493,6 +509,9 @@ TEST_F(RobotAndController, NoPickIsExecutedTwiceOrLostFromTheRecord) {
   EXPECT_GE(count[CommandState::unknown], 1);
   for (const auto& [n, kinds] : told) EXPECT_LE(kinds.size(), 1u) << "pick " << n << " was reported more than once";
 }
+
+INSTANTIATE_TEST_SUITE_P(Over, RobotAndController, ::testing::Values(Protocol::tcp80, Protocol::hses),
+                         [](const auto& tested) { return tested.param == Protocol::hses ? "hses" : "tcp80"; });
 
 }  // namespace
 }  // namespace pickcell

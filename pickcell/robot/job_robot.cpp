@@ -1,4 +1,4 @@
-#include "pickcell/robot/tcp80_robot.hpp"
+#include "pickcell/robot/job_robot.hpp"
 
 #include <array>
 #include <stdexcept>
@@ -6,6 +6,7 @@
 
 #include "pickcell/core/log.hpp"
 #include "pickcell/robot/pose_angles.hpp"
+#include "pickcell/robot/tcp80_codec.hpp"  // positions as text, for the journal's readers
 
 namespace pickcell::robot {
 
@@ -45,26 +46,27 @@ core::Status not_ready(std::string why, std::string remedy) {
 
 }  // namespace
 
-core::Result<std::int32_t> Tcp80Registers::read(Register which) {
-  return client_.read_integer(variable(which).type, first_ + variable(which).offset);
+core::Result<std::int32_t> VariableRegisters::read(Register which) {
+  return link_.read_integer(variable(which).type, first_ + variable(which).offset);
 }
 
-core::Status Tcp80Registers::write(Register which, std::int32_t value) {
-  return client_.write_integer(variable(which).type, first_ + variable(which).offset, value);
+core::Status VariableRegisters::write(Register which, std::int32_t value) {
+  return link_.write_integer(variable(which).type, first_ + variable(which).offset, value);
 }
 
-core::Result<VariablePosition> Tcp80Registers::read_pose(PoseRegister which) {
-  return client_.read_position_variable(first_ + offset(which));
+core::Result<VariablePosition> VariableRegisters::read_pose(PoseRegister which) {
+  return link_.read_position_variable(first_ + offset(which));
 }
 
-core::Status Tcp80Registers::write_pose(PoseRegister which, const CartesianPosition& position) {
-  return client_.write_position_variable(first_ + offset(which), position);
+core::Status VariableRegisters::write_pose(PoseRegister which, const CartesianPosition& position) {
+  return link_.write_position_variable(first_ + offset(which), position);
 }
 
-Tcp80Robot::Tcp80Robot(Tcp80RobotSettings settings, Journal& journal, const core::Clock& clock)
+JobRobot::JobRobot(JobRobotSettings settings, std::unique_ptr<ControllerLink> link, Journal& journal,
+                   const core::Clock& clock)
     : settings_(std::move(settings)),
-      client_(settings_.link),
-      registers_(client_, settings_.first_variable),
+      link_(std::move(link)),
+      registers_(*link_, settings_.first_variable),
       session_(registers_, journal, clock) {
   if (settings_.tool < 0 || settings_.tool > kMaxTool) throw std::invalid_argument("tool number outside 0..63");
   if (settings_.frame < 0 || settings_.frame > 65) throw std::invalid_argument("frame number outside 0..65");
@@ -72,37 +74,37 @@ Tcp80Robot::Tcp80Robot(Tcp80RobotSettings settings, Journal& journal, const core
     throw std::invalid_argument("first variable outside 1..86");
 }
 
-core::Status Tcp80Robot::connect(core::Seat& seat) {
+core::Status JobRobot::connect(core::Seat& seat) {
   session_.lost();
-  if (auto opened = client_.connect(); !opened) return opened;
+  if (auto opened = link_->connect(); !opened) return opened;
   if (auto read_back = session_.connect(); !read_back) return read_back;
   return settle(seat);
 }
 
-void Tcp80Robot::disconnect() {
+void JobRobot::disconnect() {
   session_.lost();
-  client_.disconnect();
+  link_->disconnect();
 }
 
 /// Waits for the job where it runs; where it stands, start() will.
-core::Status Tcp80Robot::settle(core::Seat& seat) {
+core::Status JobRobot::settle(core::Seat& seat) {
   auto running = job_runs();
   if (!running) return core::forward(running);
   if (!*running) return {};
   return session_.settle(seat, [this] { return job_runs(); });
 }
 
-core::Result<bool> Tcp80Robot::job_runs() {
-  auto status = client_.read_status();
+core::Result<bool> JobRobot::job_runs() {
+  auto status = link_->read_status();
   if (!status) return core::forward(status);
   if (!status->running) return false;
-  auto job = client_.read_job();
+  auto job = link_->read_job();
   if (!job) return core::forward(job);
   return job->name == settings_.job;
 }
 
-core::Result<RobotState> Tcp80Robot::state() {
-  auto status = client_.read_status();
+core::Result<RobotState> JobRobot::state() {
+  auto status = link_->read_status();
   if (!status) return status;
   auto clear = registers_.read(Register::clear_of_camera);
   if (!clear) return core::forward(clear);
@@ -110,18 +112,18 @@ core::Result<RobotState> Tcp80Robot::state() {
   return status;
 }
 
-core::Result<std::vector<Alarm>> Tcp80Robot::alarms() { return client_.read_alarms(); }
+core::Result<std::vector<Alarm>> JobRobot::alarms() { return link_->read_alarms(); }
 
-core::Result<core::Transform<core::Base, core::Tool>> Tcp80Robot::pose() {
-  auto position = client_.read_position(kBaseFrame);
+core::Result<core::Transform<core::Base, core::Tool>> JobRobot::pose() {
+  auto position = link_->read_position(kBaseFrame);
   if (!position) return core::forward(position);
   return transform_from(*position);
 }
 
-core::Status Tcp80Robot::may_start(const RobotState& state) {
+core::Status JobRobot::may_start(const RobotState& state) {
   if (state.alarm || state.error) {
     std::string which;
-    if (auto list = client_.read_alarms()) {
+    if (auto list = link_->read_alarms()) {
       for (const Alarm& alarm : *list) which += (which.empty() ? ": " : ", ") + alarm.text;
     }
     return not_ready("the controller is in " + std::string(state.alarm ? "alarm" : "error") + which,
@@ -137,11 +139,11 @@ core::Status Tcp80Robot::may_start(const RobotState& state) {
   return {};
 }
 
-core::Status Tcp80Robot::servo_on(core::Seat& seat) {
-  if (auto on = client_.servo(true); !on) return on;
+core::Status JobRobot::servo_on(core::Seat& seat) {
+  if (auto on = link_->servo(true); !on) return on;
   const core::TimePoint deadline = seat.now() + kServoTimeout;
   for (;;) {
-    auto status = client_.read_status();
+    auto status = link_->read_status();
     if (!status) return core::forward(status);
     if (status->servo) return {};
     const core::TimePoint before = seat.now();
@@ -154,14 +156,14 @@ core::Status Tcp80Robot::servo_on(core::Seat& seat) {
   }
 }
 
-core::Status Tcp80Robot::start_job(core::Seat& seat) {
+core::Status JobRobot::start_job(core::Seat& seat) {
   // The fence first: the job, restarted at its first line, drops whatever stands in its variables.
   if (auto fenced = session_.fence(); !fenced) return fenced;
-  auto started = client_.start_job(settings_.job);
+  auto started = link_->start_job(settings_.job);
   if (!started && (started.error().code == ErrorCode::timeout || started.error().code == ErrorCode::link)) {
     // Nobody knows whether it runs. Never again blindly: hold, and let the operator look.
     session_.lost();
-    if (client_.connect() && client_.hold(true)) started.error().remedy = "the arm is held; look at it, then Reset";
+    if (link_->connect() && link_->hold(true)) started.error().remedy = "the arm is held; look at it, then Reset";
     return started;
   }
   if (!started) return started;
@@ -169,8 +171,8 @@ core::Status Tcp80Robot::start_job(core::Seat& seat) {
   return {};
 }
 
-core::Status Tcp80Robot::start(core::Seat& seat) {
-  auto status = client_.read_status();
+core::Status JobRobot::start(core::Seat& seat) {
+  auto status = link_->read_status();
   if (!status) return core::forward(status);
   if (auto may = may_start(*status); !may) return may;
   if (session_.phase() == HandOverPhase::lost) {
@@ -189,19 +191,19 @@ core::Status Tcp80Robot::start(core::Seat& seat) {
   }
   if (auto settled = session_.settle(seat, [this] { return job_runs(); }); !settled) return settled;
   if (session_.phase() == HandOverPhase::ready) return {};
-  auto now = client_.read_status();
+  auto now = link_->read_status();
   if (!now) return core::forward(now);
   if (auto may = may_start(*now); !may) return may;
   return not_ready("the job " + settings_.job + " has stopped", "see the message on the pendant");
 }
 
-core::Status Tcp80Robot::confirm(core::Seat& seat) {
+core::Status JobRobot::confirm(core::Seat& seat) {
   if (session_.phase() == HandOverPhase::lost) return not_ready("not connected", "connect first");
   if (auto confirmed = session_.confirm(); !confirmed) return confirmed;
   return settle(seat);
 }
 
-core::Result<std::int32_t> Tcp80Robot::submit(const picks::Pick& pick) {
+core::Result<std::int32_t> JobRobot::submit(const picks::Pick& pick) {
   if (auto safe = check_pick(pick, settings_.limits); !safe) return core::forward(safe);
   PickCommand command;
   command.grasp = position_from(pick.T_base_grasp);
@@ -220,9 +222,9 @@ core::Result<std::int32_t> Tcp80Robot::submit(const picks::Pick& pick) {
   return session_.submit(command);
 }
 
-core::Result<std::optional<Outcome>> Tcp80Robot::outcome() { return session_.outcome(); }
+core::Result<std::optional<Outcome>> JobRobot::outcome() { return session_.outcome(); }
 
-core::Result<Outcome> Tcp80Robot::withdraw(core::Seat& seat) {
+core::Result<Outcome> JobRobot::withdraw(core::Seat& seat) {
   if (auto fenced = session_.fence(); !fenced) return core::forward(fenced);
   if (auto settled = session_.settle(seat, [this] { return job_runs(); }); !settled) return core::forward(settled);
   auto outcome = session_.outcome();
@@ -232,28 +234,28 @@ core::Result<Outcome> Tcp80Robot::withdraw(core::Seat& seat) {
                        "start the job; it does not execute the old pick");
 }
 
-core::Status Tcp80Robot::hold(bool on) { return client_.hold(on); }
+core::Status JobRobot::hold(bool on) { return link_->hold(on); }
 
-core::Status Tcp80Robot::reset() {
-  if (auto released = client_.hold(false); !released) return released;
-  if (auto cleared = client_.reset_alarm(); !cleared) return cleared;
-  return client_.cancel_error();
+core::Status JobRobot::reset() {
+  if (auto released = link_->hold(false); !released) return released;
+  if (auto cleared = link_->reset_alarm(); !cleared) return cleared;
+  return link_->cancel_error();
 }
 
-core::Status Tcp80Robot::write_contact(int contact, bool on) {
+core::Status JobRobot::write_contact(int contact, bool on) {
   const int first = contact / 10 * 10, bit = contact % 10;
   if (contact < 0 || bit > 7) throw std::invalid_argument("contact numbers end in 0..7");
-  auto group = client_.read_contacts(first, 1);
+  auto group = link_->read_contacts(first, 1);
   if (!group) return core::forward(group);
   const int mask = 1 << bit;
   (*group)[0] = static_cast<std::uint8_t>(on ? (*group)[0] | mask : (*group)[0] & ~mask);
-  return client_.write_contacts(first, *group);
+  return link_->write_contacts(first, *group);
 }
 
-core::Result<bool> Tcp80Robot::read_contact(int contact) {
+core::Result<bool> JobRobot::read_contact(int contact) {
   const int bit = contact % 10;
   if (contact < 0 || bit > 7) throw std::invalid_argument("contact numbers end in 0..7");
-  auto group = client_.read_contacts(contact / 10 * 10, 1);
+  auto group = link_->read_contacts(contact / 10 * 10, 1);
   if (!group) return core::forward(group);
   return ((*group)[0] >> bit & 1) != 0;
 }

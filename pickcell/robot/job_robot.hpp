@@ -1,20 +1,21 @@
 #pragma once
-/// The arm behind a Yaskawa Ethernet Server: picks through the job VISPICK, handed over at most once.
+/// The arm behind a Yaskawa controller, whatever protocol its link speaks: picks through the job VISPICK, handed over
+/// at most once.
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pickcell/core/clock.hpp"
+#include "pickcell/robot/controller_link.hpp"
 #include "pickcell/robot/journal.hpp"
 #include "pickcell/robot/pick_check.hpp"
 #include "pickcell/robot/pick_session.hpp"
 #include "pickcell/robot/robot.hpp"
-#include "pickcell/robot/tcp80_client.hpp"
 
 namespace pickcell::robot {
 
-struct Tcp80RobotSettings {
-  Tcp80Settings link;
+struct JobRobotSettings {
   std::string job = "VISPICK";
   int first_variable = 10;  ///< of the hand-over: B010, I010, D010, P010 and the following
   int frame = kBaseFrame;   ///< that the poses of picks are in
@@ -23,27 +24,27 @@ struct Tcp80RobotSettings {
   PickLimits limits;
 };
 
-/// The registers of the hand-over as B, I, D and P variables over TCP 80.
-class Tcp80Registers final : public Registers {
+/// The registers of the hand-over as B, I, D and P variables of the controller.
+class VariableRegisters final : public Registers {
  public:
-  Tcp80Registers(Tcp80Client& client, int first_variable) : client_(client), first_(first_variable) {}
+  VariableRegisters(ControllerLink& link, int first_variable) : link_(link), first_(first_variable) {}
   [[nodiscard]] core::Result<std::int32_t> read(Register which) override;
   [[nodiscard]] core::Status write(Register which, std::int32_t value) override;
   [[nodiscard]] core::Result<VariablePosition> read_pose(PoseRegister which) override;
   [[nodiscard]] core::Status write_pose(PoseRegister which, const CartesianPosition& position) override;
 
  private:
-  Tcp80Client& client_;
+  ControllerLink& link_;
   int first_;
 };
 
-class Tcp80Robot final : public Robot {
+class JobRobot final : public Robot {
  public:
   /// Journal and clock must outlive the robot. Settings out of range throw std::invalid_argument.
-  Tcp80Robot(Tcp80RobotSettings settings, Journal& journal, const core::Clock& clock);
+  JobRobot(JobRobotSettings settings, std::unique_ptr<ControllerLink> link, Journal& journal, const core::Clock& clock);
 
   [[nodiscard]] core::Status connect(core::Seat& seat) override;
-  [[nodiscard]] bool connected() const override { return client_.connected(); }
+  [[nodiscard]] bool connected() const override { return link_->connected(); }
   [[nodiscard]] core::Result<RobotState> state() override;
   [[nodiscard]] core::Result<std::vector<Alarm>> alarms() override;
   [[nodiscard]] core::Result<core::Transform<core::Base, core::Tool>> pose() override;
@@ -66,9 +67,9 @@ class Tcp80Robot final : public Robot {
   [[nodiscard]] core::Status servo_on(core::Seat& seat);
   [[nodiscard]] core::Status start_job(core::Seat& seat);
 
-  Tcp80RobotSettings settings_;
-  Tcp80Client client_;
-  Tcp80Registers registers_;
+  JobRobotSettings settings_;
+  std::unique_ptr<ControllerLink> link_;
+  VariableRegisters registers_;
   PickSession session_;
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+/// The commands of the High Speed Ethernet Server (docs/yaskawa-protocols 2.2-2.5) on a controller state: request in,
+/// answer out. No sockets. The bytes are those of robot/hses_frame; the state is the one behind every door.
+
+#include <string>
+
+#include "pickcell/robot/hses_codec.hpp"
+#include "pickcell/sim/controller_state.hpp"
+
+namespace pickcell::sim {
+
+/// Carries out one request of the robot division. Refusals have status 0x1F and one word of added status: A000 command,
+/// A001 instance, A002 attribute or service, 1011/1012/1013 data, then as over TCP 80 in the order of section 7.
+[[nodiscard]] robot::HsesAnswer execute_hses(ControllerState& state, const robot::HsesRequest& request);
+
+/// The command of TCP port 80 that does the same ("START", "LOADV", ...), for scenarios; the number ("0x89") when there
+/// is none.
+[[nodiscard]] std::string hses_command_name(const robot::HsesRequest& request);
+
+/// A refusal: status 0x1F with this added status.
+[[nodiscard]] robot::HsesAnswer hses_refusal(const robot::HsesRequest& request, std::uint16_t added_status);
+/// Done, with data.
+[[nodiscard]] robot::HsesAnswer hses_done(const robot::HsesRequest& request, robot::HsesBytes payload = {});
+
+}  // namespace pickcell::sim
