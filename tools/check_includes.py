@@ -36,7 +36,7 @@ THIRD_PARTY = {
     r"hwy/": ("image", "matches"), r"png\.h|jpeglib\.h": ("image",),
     r"opencv2/": ("poses", "sim", "cli"), r"ceres/": ("poses",),
     r"sqlite3\.h": ("cell",), r"boost/asio": ("robot", "sim", "server"), r"boost/beast": ("server",),
-    r"openssl/": ("server",), r"CLI/": ("cli",), r"arv\.h|arv": ("frames", "sim"), r"linux/videodev2\.h": ("frames",),
+    r"openssl/": ("server",), r"zlib\.h": ("server",), r"CLI/": ("cli",), r"arv\.h|arv": ("frames", "sim"), r"linux/videodev2\.h": ("frames",),
 }
 IN_HEADERS = re.compile(r"^(Eigen/|tl/expected\.hpp)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)

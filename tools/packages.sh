@@ -3,7 +3,7 @@
 # Sourced by ./start and ./check.
 
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
-  libhwy-dev libpng-dev libjpeg-dev libsqlite3-dev libboost-dev)
+  libhwy-dev libpng-dev libjpeg-dev zlib1g-dev libsqlite3-dev libboost-dev)
 packages_check=(git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev
   clang-format-19)
 packages_fuzz=(clang-19)

@@ -63,7 +63,8 @@ Cell::Cell(CellParts parts, CellSettings settings)
       vision_(std::move(parts.vision)),
       settings_(std::move(settings)),
       ledger_(std::move(parts.log), desk_, clock_, tray_sizes(settings_.planner)),
-      arm_(parts.robot, clock_, *seat_, settings_.robot_link) {
+      arm_(parts.robot, clock_, *seat_, settings_.robot_link),
+      trays_(parts.trays) {
   show(Mode::idle, "connecting to the robot");
 }
 
@@ -116,7 +117,9 @@ core::Status Cell::reset() {
 }
 
 void Cell::live() {
-  if (auto connected = arm_.connect(); !connected)
+  if (auto recalled = recall_trays(); !recalled)
+    enter(recalled.error());
+  else if (auto connected = arm_.connect(); !connected)
     enter(connected.error());
   else if (auto settled = settle(); !settled)
     enter(settled.error());

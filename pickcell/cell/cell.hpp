@@ -32,6 +32,7 @@ struct CellParts {
   robot::Robot& robot;
   Vision vision;
   RunLog log;
+  TrayRecord* trays = nullptr;  ///< null: trays are forgotten with the process
 };
 
 struct CellSettings {
@@ -102,6 +103,9 @@ class Cell final : public CellPort {
   /// Sleeps one poll of the clock and looks at the arm.
   [[nodiscard]] Or<robot::RobotState> rest(Arm::Need need);
   void give_up_on_stubborn(Sight& sight) const;
+  [[nodiscard]] Or<void> exchange_full_trays();
+  /// Which places are filled, from the record: after a restart, and when picks of an earlier process were settled.
+  [[nodiscard]] Or<void> recall_trays();
 
   void show(Mode mode, std::string step);
   void show_step(std::string step) { show(mode_, std::move(step)); }
@@ -115,6 +119,7 @@ class Cell final : public CellPort {
   Desk desk_;
   Ledger ledger_;
   Arm arm_;
+  TrayRecord* trays_;
 
   Mode mode_ = Mode::idle;
   std::string step_, reason_, remedy_;

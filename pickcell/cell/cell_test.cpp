@@ -165,11 +165,13 @@ class TableRobot final : public robot::Robot {
   }
   [[nodiscard]] core::Status write_contact(int contact, bool on) override {
     EXPECT_EQ(contact, 27010);
-    if (on) belt_until_ = clock_.now() + duration_s(1.5);
-    if (on && next_parts) table_.parts = next_parts();
+    const bool was_on = std::exchange(advance_on, on), edge = on && !was_on;
+    if (edge) belt_until_ = clock_.now() + duration_s(1.5);
+    if (edge && next_parts) table_.parts = next_parts();
     return {};
   }
   [[nodiscard]] core::Result<bool> read_contact(int contact) override {
+    if (contact == 27010) return advance_on;
     EXPECT_EQ(contact, 11);
     return clock_.now() < belt_until_;
   }
@@ -177,6 +179,7 @@ class TableRobot final : public robot::Robot {
 
   RobotState& arm() { return state_; }
   std::map<int, Event> script;
+  bool advance_on = false;  ///< the network input that the feeder waits for an edge of
   std::function<std::vector<Table::Lying>()> next_parts;
   std::vector<picks::Pick> submitted;
   std::vector<Table::Lying> lifted;
@@ -621,6 +624,37 @@ TEST_F(CellTest, TheIndexedBeltIsMovedWhenNothingIsLeftToPick) {
   EXPECT_EQ(end.counters.placed, 1);
   EXPECT_EQ(pitches, 1 + 2);
   EXPECT_EQ(end.mode, Mode::idle);
+}
+
+TEST_F(CellTest, AFeedBrokenOffEarlierDoesNotStickForGood) {
+  settings_.feed.kind = FeedKind::indexed;
+  settings_.feed.empty_pitches_max = 1;
+  robot_.advance_on = true;  // a hold came between the edge and its release
+  int pitches = 0;
+  robot_.next_parts = [&]() -> std::vector<Table::Lying> {
+    ++pitches;
+    return {};
+  };
+  open();
+  EXPECT_EQ(run().mode, Mode::idle);
+  EXPECT_EQ(pitches, 1);
+  EXPECT_FALSE(robot_.advance_on);
+}
+
+TEST_F(CellTest, StopRightBehindStartIsNotLost) {
+  table_.parts = {{200, 150, .95, {}, .05}};
+  for (int i = 0; i < 8; ++i) {
+    open();
+    wait_ready();
+    ASSERT_TRUE(cell_->start());
+    ASSERT_TRUE(cell_->stop_cycle());
+    // Simulated minutes: long enough for a cell that has not heard the Stop to feed and look again and again.
+    const core::TimePoint later = clock_.now() + std::chrono::minutes(2);
+    wait([&](const Snapshot& s) { return s.mode == Mode::idle && clock_.now() > later; });
+    cell_->close();
+    EXPECT_LE(cell_->snapshot().counters.submitted, 1);
+    cell_.reset();
+  }
 }
 
 TEST_F(CellTest, RunsWithoutAPersonUntilSoManyPicksAreDealtWith) {

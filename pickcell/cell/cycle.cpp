@@ -41,9 +41,9 @@ Or<void> Cell::begin_work() {
   remedy_.clear();
   refused_in_row_ = empty_in_row_ = 0;
   queue_.clear();
-  ledger_.tray().empty_full_ones();
   ledger_.standing().forget();
   show(Mode::running, "starting the robot's job");
+  if (auto exchanged = exchange_full_trays(); !exchanged) return exchanged;
   if (auto logged = ledger_.event("STARTED", settings_.recipe); !logged)
     return tl::unexpected(halt_from(logged.error(), "recording"));
   if (auto ready = arm_.poll(Arm::Need::ready); !ready) return tl::unexpected(ready.error());
@@ -56,14 +56,16 @@ Or<void> Cell::begin_work() {
 }
 
 Or<void> Cell::settle() {
+  bool of_others = false;
   for (const robot::Outcome& outcome : arm_.robot().take_settled()) {
     const auto& open = ledger_.open();
     const bool ours = open && (open->sequence == 0 || open->sequence == outcome.sequence);
     const std::string text = "pick " + std::to_string(outcome.sequence) + ": " + outcome.text;
     auto logged = ours ? ledger_.end(outcome) : ledger_.event("SETTLED", text);
     if (!logged) return tl::unexpected(halt_from(logged.error(), "recording"));
+    of_others = of_others || !ours;
   }
-  return {};
+  return of_others ? recall_trays() : Or<void>{};
 }
 
 Or<robot::RobotState> Cell::rest(Arm::Need need) {
@@ -198,11 +200,32 @@ Or<void> Cell::judge(const robot::Outcome& outcome) {
                "look at gripper, parts and calibration, then press Reset");
 }
 
+Or<void> Cell::recall_trays() {
+  if (!trays_) return {};
+  const auto filled = trays_->filled();
+  if (!filled) return tl::unexpected(halt_from(filled.error(), "reading which places are filled"));
+  const std::vector<picks::PartPlan>& parts = settings_.planner.parts;
+  ledger_.tray().forget();
+  for (const FilledPlace& place : *filled)
+    for (std::size_t kind = 0; kind < parts.size(); ++kind)
+      if (parts[kind].model == place.model && place.slot < parts[kind].place.size())
+        ledger_.tray().take(kind, place.slot);
+  return {};
+}
+
+Or<void> Cell::exchange_full_trays() {
+  for (const std::size_t kind : ledger_.tray().empty_full_ones()) {
+    if (!trays_) continue;
+    if (auto recorded = trays_->exchanged(settings_.planner.parts[kind].model); !recorded)
+      return tl::unexpected(halt_from(recorded.error(), "recording an exchanged tray"));
+  }
+  return {};
+}
+
 Or<void> Cell::feed() {
   if (!full_tray_.empty() && settings_.exchange_full_trays) {
-    ledger_.tray().empty_full_ones();
     full_tray_.clear();
-    return {};
+    return exchange_full_trays();
   }
   if (!full_tray_.empty())
     return stand("TRAY_FULL", "the tray of " + full_tray_ + " is full", "put an empty tray there, then press Start");

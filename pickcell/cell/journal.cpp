@@ -11,7 +11,7 @@ using robot::JournalRow;
 
 namespace {
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 
 // Live are the rows whose outcome is open: at most one per part and per place, however often the PC restarts.
 constexpr std::string_view kSchema = R"sql(
@@ -24,7 +24,14 @@ CREATE TABLE cmd (
 CREATE UNIQUE INDEX one_live_per_track ON cmd (track) WHERE state IN ('intent','sent');
 CREATE UNIQUE INDEX one_live_per_slot ON cmd (model, slot) WHERE state IN ('intent','sent');
 CREATE TABLE fence (epoch INTEGER PRIMARY KEY, last_seq INTEGER NOT NULL) STRICT;
-PRAGMA user_version = 1;
+COMMIT;
+)sql";
+
+// Version 2: after which pick the tray of a model was last exchanged.
+constexpr std::string_view kTraySchema = R"sql(
+BEGIN IMMEDIATE;
+CREATE TABLE tray (model TEXT PRIMARY KEY, after_seq INTEGER NOT NULL) STRICT;
+PRAGMA user_version = 2;
 COMMIT;
 )sql";
 
@@ -65,7 +72,7 @@ JournalRow row_from(const SqlRow& c) {
   return row;
 }
 
-/// Makes the tables of a new file, accepts those of this version.
+/// Makes the tables of a new file, brings those of version 1 up to date.
 core::Status prepare(Database& database, const std::string& name) {
   auto version = database.execute("PRAGMA user_version");
   if (!version) return core::forward(version);
@@ -73,10 +80,14 @@ core::Status prepare(Database& database, const std::string& name) {
   if (!tables) return core::forward(tables);
   const auto found = as_integer(version->front().front());
   if (found == kSchemaVersion) return {};
-  if (found == 0 && as_integer(tables->front().front()) == 0) return database.script(kSchema);
+  if (found == 1) return database.script(kTraySchema);
+  if (found == 0 && as_integer(tables->front().front()) == 0) {
+    if (auto made = database.script(kSchema); !made) return made;
+    return database.script(kTraySchema);
+  }
   return core::failure(ErrorCode::unreadable, name,
                        found == 0 ? "a database, but no journal"
-                                  : "journal of version " + std::to_string(found) + "; this program knows version 1",
+                                  : "journal of version " + std::to_string(found) + "; this program knows 1 and 2",
                        "use the pickcell that wrote it, or move the file aside: a person must then confirm");
 }
 
@@ -158,6 +169,20 @@ core::Result<std::vector<JournalRow>> SqliteJournal::open_rows() {
 
 core::Result<std::vector<JournalRow>> SqliteJournal::newest_rows(int count) {
   return rows("ORDER BY seq DESC LIMIT ?1", {std::int64_t{count}});
+}
+
+core::Result<std::vector<FilledPlace>> SqliteJournal::filled() {
+  auto found = database_.execute(
+      "SELECT DISTINCT c.model, c.slot FROM cmd c WHERE c.state IN ('done','unknown','intent','sent') AND "
+      "c.seq > coalesce((SELECT after_seq FROM tray t WHERE t.model = c.model), 0)");
+  if (!found) return tl::unexpected(explained(std::move(found.error())));
+  std::vector<FilledPlace> out;
+  for (const SqlRow& row : *found) out.push_back({as_text(row[0]), static_cast<int>(as_integer(row[1]))});
+  return out;
+}
+
+core::Status SqliteJournal::exchanged(const std::string& model) {
+  return write("INSERT OR REPLACE INTO tray VALUES (?1, (SELECT coalesce(max(seq), 0) FROM cmd))", {model});
 }
 
 }  // namespace pickcell::cell

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pickcell/cell/database.hpp"
+#include "pickcell/cell/tray.hpp"
 #include "pickcell/robot/journal.hpp"
 
 namespace pickcell::cell {
@@ -15,7 +16,7 @@ namespace pickcell::cell {
 /// What a call has returned from is on the disk, even after a power cut. The file is held for this process alone. One
 /// thread at a time. Errors: unreadable (disk full, damaged, in use by another process, of another version), with a
 /// remedy that never loses the past by accident.
-class SqliteJournal final : public robot::Journal {
+class SqliteJournal final : public robot::Journal, public TrayRecord {
  public:
   /// Opens or makes the file; makes its folder.
   [[nodiscard]] static core::Result<std::unique_ptr<SqliteJournal>> open(const std::filesystem::path& path);
@@ -28,6 +29,8 @@ class SqliteJournal final : public robot::Journal {
   [[nodiscard]] core::Result<std::int32_t> last_epoch() override;
   [[nodiscard]] core::Result<std::int32_t> last_sequence() override;
   [[nodiscard]] core::Result<std::vector<robot::JournalRow>> open_rows() override;
+  [[nodiscard]] core::Result<std::vector<FilledPlace>> filled() override;
+  [[nodiscard]] core::Status exchanged(const std::string& model) override;
 
   /// The newest rows, newest first: for a person who wants to know what happened.
   [[nodiscard]] core::Result<std::vector<robot::JournalRow>> newest_rows(int count);

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <functional>
+#include <set>
 
 #include "pickcell/core/file.hpp"
 
@@ -92,6 +93,42 @@ TEST_F(JournalTest, ASequencePartOrSlotIsNeverOpenTwice) {
   ASSERT_TRUE(journal->record_end(1, CommandState::void_, 0, 5));
   EXPECT_TRUE(journal->record_intent(row(2, 10, 0)));
   EXPECT_FALSE(journal->record_intent(row(1, 12, 3)));
+}
+
+TEST_F(JournalTest, KnowsWhichPlacesAreFilledSinceTheTrayWasExchanged) {
+  {
+    auto journal = open();
+    ASSERT_TRUE(journal->record_intent(row(1, 10, 0)));
+    ASSERT_TRUE(journal->record_end(1, CommandState::done, 0, 5));
+    ASSERT_TRUE(journal->record_intent(row(2, 11, 1)));
+    ASSERT_TRUE(journal->record_end(2, CommandState::refused, 2, 6));
+    ASSERT_TRUE(journal->record_intent(row(3, 12, 2)));
+    ASSERT_TRUE(journal->record_end(3, CommandState::unknown, 0, 7));
+    ASSERT_TRUE(journal->record_intent(row(4, 13, 3)));
+  }
+  auto journal = open();  // of the next process
+  std::set<int> slots;
+  const auto filled = journal->filled();
+  for (const FilledPlace& place : *filled) slots.insert(place.slot);
+  EXPECT_EQ(slots, (std::set<int>{0, 2, 3}));
+  const std::string model = journal->newest_rows(1)->front().model;
+  ASSERT_TRUE(journal->exchanged(model));
+  EXPECT_TRUE(journal->filled()->empty());
+  ASSERT_TRUE(journal->record_intent(row(5, 14, 1)));
+  ASSERT_EQ(journal->filled()->size(), 1u);
+  EXPECT_EQ(journal->filled()->front().slot, 1);
+}
+
+TEST_F(JournalTest, AFileOfVersion1IsBroughtUpToDate) {
+  {
+    auto journal = open();
+    ASSERT_TRUE(journal->record_intent(row(1, 10, 0)));
+    ASSERT_TRUE(journal->record_end(1, CommandState::done, 0, 5));
+  }
+  ASSERT_TRUE(Database::open(path_)->script("DROP TABLE tray; PRAGMA user_version = 1"));
+  auto journal = open();
+  EXPECT_EQ(journal->last_sequence().value(), 1);
+  EXPECT_EQ(journal->filled()->size(), 1u);
 }
 
 TEST_F(JournalTest, AnOutcomeIsWrittenOnce) {

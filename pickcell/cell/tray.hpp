@@ -8,7 +8,26 @@
 #include <string>
 #include <vector>
 
+#include "pickcell/core/result.hpp"
+
 namespace pickcell::cell {
+
+/// A place that holds a part, or may hold one.
+struct FilledPlace {
+  std::string model;
+  int slot = 0;
+};
+
+/// What outlives the process of the trays. One thread at a time. Errors: unreadable (disk full, damaged).
+class TrayRecord {
+ public:
+  virtual ~TrayRecord() = default;
+  /// Places that were filled since the tray of that model was last exchanged; an unknown outcome and one that is open
+  /// count as filled.
+  [[nodiscard]] virtual core::Result<std::vector<FilledPlace>> filled() = 0;
+  /// An empty tray stands there from now on.
+  [[nodiscard]] virtual core::Status exchanged(const std::string& model) = 0;
+};
 
 /// Places of every kind's pattern. A place is reserved before its pick is handed over and freed only when it is certain
 /// that nothing was put there.
@@ -19,13 +38,21 @@ class Tray {
 
   void take(std::size_t kind, int slot) { taken_.at(kind).insert(slot); }
   void free(std::size_t kind, int slot) { taken_.at(kind).erase(slot); }
+  void forget() {
+    for (auto& places : taken_) places.clear();
+  }
   [[nodiscard]] bool full(std::size_t kind) const {
     return taken_.at(kind).size() >= static_cast<std::size_t>(sizes_.at(kind));
   }
-  /// Empty trays stand where full ones stood: whoever starts the cell again has put them there.
-  void empty_full_ones() {
-    for (std::size_t kind = 0; kind < sizes_.size(); ++kind)
-      if (full(kind)) taken_[kind].clear();
+  /// Empty trays stand where full ones stood: whoever starts the cell again has put them there. Says which.
+  [[nodiscard]] std::vector<std::size_t> empty_full_ones() {
+    std::vector<std::size_t> emptied;
+    for (std::size_t kind = 0; kind < sizes_.size(); ++kind) {
+      if (!full(kind)) continue;
+      taken_[kind].clear();
+      emptied.push_back(kind);
+    }
+    return emptied;
   }
   [[nodiscard]] const std::vector<std::set<int>>& taken() const { return taken_; }
 

@@ -80,10 +80,7 @@ core::Result<int> run_for_picks(const CellRun& run, Io& io) {
     report.places = judge_places(setup->plant->world, end, setup->cell->settings().planner);
   io.out << (run.json ? report.json().dump() + "\n" : report.words());
   io.out.flush();
-  if (last.mode == cell::Mode::fault) {
-    io.err << "pickcell: cell: " << last.reason << "; " << last.remedy << "\n";
-    return 3;
-  }
+  if (last.mode == cell::Mode::fault) return 3;  // the cell's log has said why
   return report.good() ? 0 : 1;
 }
 

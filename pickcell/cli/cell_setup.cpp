@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pickcell/cli/cell_job.hpp"
 #include "pickcell/cli/robot_link.hpp"
 #include "pickcell/core/units.hpp"
 #include "pickcell/frames/file_source.hpp"
@@ -99,7 +100,11 @@ sim::WorldSettings world_settings(const SimulationConfig& config) {
 core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
   sim::ControllerSettings settings;
   settings.segment_pause_s = file.sim.segment_pause_s;
+  auto job = job_for(file.cell);
+  if (!job) return core::forward(job);
   settings.jobs = sim::shipped_jobs();
+  settings.jobs.front() = std::move(*job);
+  settings.model = *sim::arm_model(file.cell.robot.model);  // checked at load
   auto controller = sim::Controller::switch_on(settings, *setup.clock, &setup.plant->world);
   if (!controller) return core::forward(controller);
   setup.plant->controller = std::move(*controller);
@@ -127,6 +132,8 @@ core::Status make_robot(CellSetup& setup, const CellFile& file) {
   auto journal = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
   if (!journal) return core::forward(journal);
   setup.journal = std::move(*journal);
+  if (file.cell.robot.link != "sim")
+    if (auto written = write_job(file.cell); !written) return written;
   setup.robot = std::make_unique<robot::JobRobot>(settings, std::move(*link), *setup.journal, *setup.clock);
   return {};
 }
@@ -165,6 +172,10 @@ core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
   out.sim = read_simulation(config->table("sim"));
   if (auto finished = config->finish(); !finished) return core::forward(finished);
   if (auto known = check_source(out.cell.camera.source, path); !known) return core::forward(known);
+  if (out.cell.robot.link == "sim" && !sim::arm_model(out.cell.robot.model))
+    return failure(ErrorCode::usage, path.string(),
+                   "'robot.model' is \"" + out.cell.robot.model + "\", which no simulated arm is",
+                   "use gp7, gp8 or motomini");
   if (out.cell.robot.link != "sim")
     if (auto link = parse_link(out); !link) return core::forward(link);
   return out;
@@ -195,7 +206,7 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
   settings.stop_after_picks = options.stop_after_picks;
   settings.start_at_once = options.stop_after_picks > 0;
   if (settings.start_at_once && !settings.allow_motion)
-    return failure(ErrorCode::safety, file.cell.file.string(), "motion is not allowed by this cell file",
+    return failure(ErrorCode::usage, file.cell.file.string(), "motion is not allowed by this cell file",
                    "set allow_motion = true in [robot]");
   if (auto robot = make_robot(setup, file); !robot) return core::forward(robot);
   auto log =
@@ -204,9 +215,9 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
                             file.cell.robot.link, vision->engine_name(), setup.clock->unix_us(), settings.simulated},
                            file.cell.record_frames);
   if (!log) return core::forward(log);
-  setup.cell = std::make_unique<cell::Cell>(
-      cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot, std::move(*vision), std::move(*log)},
-      std::move(settings));
+  setup.cell = std::make_unique<cell::Cell>(cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot,
+                                                            std::move(*vision), std::move(*log), setup.journal.get()},
+                                            std::move(settings));
   return setup;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <ostream>
+#include <set>
 
 #include "pickcell/cli/match_output.hpp"
 #include "pickcell/cli/model_input.hpp"
@@ -155,13 +156,9 @@ class Run {
 
   core::Status draw(const std::string& file, image::ImageView picture, const matches::FindResult& found) {
     if (options_.overlay.empty()) return {};
-    fs::path out = options_.overlay;
-    if (is_folder(options_)) {
-      std::error_code ignored;  // a folder that cannot be made shows when the file is written
-      fs::create_directories(out, ignored);
-      out /= fs::path(file).filename().string() + ".png";
-    }
-    return image::save_png(out, matches::draw_overlay(picture, found, pointers_));
+    std::error_code ignored;  // a folder that cannot be made shows when the file is written
+    if (is_folder(options_)) fs::create_directories(options_.overlay, ignored);
+    return image::save_png(overlay_file(options_, file), matches::draw_overlay(picture, found, pointers_));
   }
 
  public:
@@ -169,6 +166,10 @@ class Run {
   static bool is_folder(const Options& options) {
     return fs::is_directory(options.overlay) || options.overlay.ends_with('/') ||
            fs::path(options.overlay).extension() != ".png";
+  }
+  static fs::path overlay_file(const Options& options, const std::string& image) {
+    if (!is_folder(options)) return options.overlay;
+    return fs::path(options.overlay) / (fs::path(image).filename().string() + ".png");
   }
 
  private:
@@ -182,15 +183,39 @@ class Run {
 };
 
 core::Status check_overlay(const Options& options) {
+  const std::string ending = fs::path(options.overlay).extension().string();
+  if (ending == ".jpg" || ending == ".jpeg" || ending == ".bmp")
+    return core::failure(core::ErrorCode::usage, "--overlay " + options.overlay, "overlays are PNG files",
+                         "write OUT.png, or name a folder");
   if (options.overlay.empty() || options.images.size() == 1 || Run::is_folder(options)) return {};
   return core::failure(core::ErrorCode::usage, "--overlay",
                        "one file for " + std::to_string(options.images.size()) + " pictures", "name a folder");
+}
+
+/// No picture is drawn over another one, and none over what the command reads.
+core::Status check_overlay_files(const Options& options) {
+  if (options.overlay.empty()) return {};
+  std::vector<std::string> inputs = options.images;
+  inputs.insert(inputs.end(), options.more_models.begin(), options.more_models.end());
+  inputs.push_back(options.model);
+  inputs.push_back(options.mask);
+  std::set<fs::path> files;
+  for (const std::string& image : options.images) {
+    const fs::path file = Run::overlay_file(options, image);
+    if (!files.insert(file).second)
+      return core::failure(core::ErrorCode::usage, "--overlay",
+                           "two of the pictures are called " + fs::path(image).filename().string(),
+                           "search them one folder at a time");
+    if (auto fine = check_not_input(file, inputs); !fine) return fine;
+  }
+  return {};
 }
 
 core::Result<int> run(const Options& options, Io& io) {
   auto search = search_options(options);
   if (!search) return core::forward(search);
   if (auto fine = check_overlay(options); !fine) return core::forward(fine);
+  if (auto fine = check_overlay_files(options); !fine) return core::forward(fine);
   const auto settings = parse_settings(options.sets, options.params);
   if (!settings) return tl::unexpected(settings.error());
   auto engine = matches::make_engine(options.engine, *settings);

@@ -20,7 +20,7 @@ struct Options {
   std::string cell;
   std::string robot = "tcp80";
   std::string camera = "inprocess";
-  std::optional<std::uint64_t> seed;
+  std::optional<std::int64_t> seed;
   std::string listen;
   std::string web_root;
 };
@@ -31,6 +31,11 @@ core::Status check(const Options& options) {
   if (options.camera != "inprocess")
     return failure(ErrorCode::usage, "--camera " + options.camera, "this version cannot simulate it yet",
                    "use inprocess");
+  if (options.json && options.picks == 0)
+    return failure(ErrorCode::usage, "--json", "there is a report with --picks only", "give --picks N too");
+  if (options.picks > 0 && !(options.listen.empty() && options.web_root.empty()))
+    return failure(ErrorCode::usage, options.listen.empty() ? "--web-root" : "--listen",
+                   "with --picks there is no page", "leave one of the two out");
   return {};
 }
 
@@ -38,7 +43,7 @@ core::Result<std::filesystem::path> demo_file(const Options& options) {
   auto folder = new_demo_folder();
   if (!folder) return folder;
   DemoOptions demo;
-  demo.seed = options.seed.value_or(1);
+  demo.seed = static_cast<std::uint64_t>(options.seed.value_or(1));
   // Headless runs live on a simulated clock, whose dates those of the calibrations must fit.
   demo.now_unix_us = options.picks > 0 ? core::SimulatedClock().unix_us() : core::RealClock().unix_us();
   return prepare_demo(*folder, demo);
@@ -56,7 +61,7 @@ core::Result<int> run(const Options& options, Io& io) {
   if (!file) return core::forward(file);
   if (options.seed && !options.cell.empty() && file->cell.camera.source != "sim" && file->cell.robot.link != "sim")
     return failure(ErrorCode::usage, "--seed", "nothing in " + options.cell + " is simulated", "leave it out");
-  if (options.seed) file->sim.seed = *options.seed;
+  if (options.seed) file->sim.seed = static_cast<std::uint64_t>(*options.seed);
   if (options.robot == "hses") file->sim.protocol = RobotProtocol::hses;
   if (options.robot != "tcp80" && file->cell.robot.link != "sim")
     return failure(ErrorCode::usage, "--robot " + options.robot, "the robot of " + options.cell + " is not simulated",
@@ -75,7 +80,9 @@ Runner add(CLI::App& app) {
   app.add_option("--cell", options->cell, "a cell of your own instead of the demonstration")->type_name("CELL.toml");
   app.add_option("--robot", options->robot, "protocol of the simulated controller")->type_name("tcp80|hses");
   app.add_option("--camera", options->camera, "how the simulated camera is reached")->type_name("inprocess|gige");
-  app.add_option("--seed", options->seed, "of the simulated parts, light and noise")->type_name("S");
+  app.add_option("--seed", options->seed, "of the simulated parts, light and noise")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--listen", options->listen, "address and port of the page")->type_name("ADDR:PORT");
   app.add_option("--web-root", options->web_root, "the page from this folder, instead of the embedded one")
       ->type_name("DIR");

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "pickcell/cell/journal.hpp"
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/date.hpp"
 #include "pickcell/core/file.hpp"
@@ -125,6 +126,12 @@ fs::path state_home() {
   return fs::temp_directory_path();
 }
 
+/// A cell that runs holds its journal.
+bool in_use(const fs::path& demo) {
+  const fs::path journal = demo / "state" / "journal.db";
+  return fs::exists(journal) && !cell::SqliteJournal::open(journal);
+}
+
 /// Names begin with the date: the oldest come first.
 void forget_old_demos(const fs::path& demos) {
   std::error_code ignored;
@@ -132,7 +139,8 @@ void forget_old_demos(const fs::path& demos) {
   for (const fs::directory_entry& entry : fs::directory_iterator(demos, ignored))
     if (entry.is_directory(ignored) && fs::exists(entry.path() / "CELL.toml", ignored)) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
-  for (std::size_t i = 0; i + kKeptDemos < folders.size(); ++i) fs::remove_all(folders[i], ignored);
+  for (std::size_t i = 0; i + kKeptDemos < folders.size(); ++i)
+    if (!in_use(folders[i])) fs::remove_all(folders[i], ignored);
 }
 
 }  // namespace

@@ -106,6 +106,8 @@ int run_subcommand(const Subcommand& subcommand, const std::vector<std::string>&
   }
   const auto code = runner(io);
   io.out.flush();
+  if (code && !io.out)
+    return fail(io, {core::ErrorCode::unreadable, "stdout", "the answer cannot be written", "check what reads it", {}});
   return code ? *code : fail(io, code.error());
 }
 

@@ -99,6 +99,7 @@ void print_words(const matches::Taught& taught, const Options& options, Io& io) 
 }
 
 core::Result<int> run(const Options& options, Io& io) {
+  if (auto fine = check_not_input(options.out, {options.picture, options.mask}); !fine) return core::forward(fine);
   auto input = input_of(options);
   if (!input) return core::forward(input);
   auto taught = teach_file(options.picture, options.mask, *input);

@@ -72,4 +72,14 @@ core::Result<matches::Settings> parse_settings(const std::vector<std::string>& k
   return settings;
 }
 
+core::Status check_not_input(const std::filesystem::path& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code missing;  // a file that is not there yet is none of the inputs
+    if (!input.empty() && std::filesystem::equivalent(output, input, missing))
+      return core::failure(core::ErrorCode::usage, output.string(), "is to be read and written",
+                           "name another file for the result");
+  }
+  return {};
+}
+
 }  // namespace pickcell::cli

@@ -1,6 +1,7 @@
 #pragma once
 /// Values of options that several commands share. All errors are usage errors that name the option.
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,5 +24,9 @@ namespace pickcell::cli {
 /// Engine settings from a TOML file (--params, "" for none) and KEY=VALUE (--set), which win.
 [[nodiscard]] core::Result<matches::Settings> parse_settings(const std::vector<std::string>& key_values,
                                                              const std::string& params_file);
+
+/// Refuses an output file that is one of the inputs (empty ones are left out): a command never overwrites what it
+/// reads.
+[[nodiscard]] core::Status check_not_input(const std::filesystem::path& output, const std::vector<std::string>& inputs);
 
 }  // namespace pickcell::cli

@@ -62,7 +62,25 @@ Result<std::string> read_text_file(const std::filesystem::path& path, std::size_
   return read_into<std::string>(path, limit_bytes);
 }
 
-Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+namespace {
+
+/// Where the bytes really go: a link stays a link, and what is no file (a device, a folder) is not replaced by one.
+Result<std::filesystem::path> real_target(const std::filesystem::path& path) {
+  std::error_code problem;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, problem);
+  if (problem) return failure(ErrorCode::unreadable, path.string(), problem.message(), "check the path");
+  const auto status = std::filesystem::status(real, problem);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    return failure(ErrorCode::unreadable, path.string(), "is there and is no file", "name a file");
+  return real;
+}
+
+}  // namespace
+
+Status write_file_atomically(const std::filesystem::path& wanted, std::span<const std::byte> bytes) {
+  const auto target = real_target(wanted);
+  if (!target) return tl::unexpected(target.error());
+  const std::filesystem::path& path = *target;
   std::string temporary = path.string() + ".XXXXXX";
   const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (file.fd < 0) return write_failure(path, errno);

@@ -73,8 +73,9 @@ core::Result<image::Image> checked_mask(const TeachInput& input, const SearchOpt
 core::Status check_numbers(const TeachInput& input) {
   if (auto fine = check_angle_range("angle", input.angle_deg); !fine) return fine;
   if (auto fine = check_scale_range("scale", input.scale); !fine) return fine;
-  if (!std::isfinite(input.height_m) || std::abs(input.height_m) > 10)
-    return refuse("height", "it is not a height within 10 m", "give the height of the part's upper side in mm");
+  if (!(input.height_m >= 0 && input.height_m <= 10))
+    return refuse("height-mm", "it is not a height from 0 to 10 m above the work plane",
+                  "give the height of the part's upper side in mm");
   const double reach = 10.0 * (input.picture.width() + input.picture.height());
   const auto near = [&](double x, double y) { return std::abs(x) <= reach && std::abs(y) <= reach; };
   if (input.ref_px && !near(input.ref_px->x_px, input.ref_px->y_px))
@@ -107,6 +108,19 @@ void warn_about_features(const PartFeatures& features, std::vector<TeachWarning>
     warnings.push_back(
         {"one_direction",
          "all edges run in one direction: the place along them is uncertain; include an end or a corner"});
+}
+
+void warn_about_points(const TeachInput& input, std::vector<TeachWarning>& warnings) {
+  const auto outside = [&](double x, double y) {
+    return x < -0.5 || y < -0.5 || x > input.picture.width() - 0.5 || y > input.picture.height() - 0.5;
+  };
+  if (input.ref_px && outside(input.ref_px->x_px, input.ref_px->y_px))
+    warnings.push_back(
+        {"ref_outside", "the reference point lies outside of the picture: an error of the angle moves it"});
+  for (const Grasp& g : input.grasps)
+    if (outside(g.x_px, g.y_px))
+      warnings.push_back({"grasp_outside", formatted("a grasp at x %.0f", g.x_px) + formatted(", y %.0f", g.y_px) +
+                                               " lies outside of the picture: is it in pixels of this template?"});
 }
 
 std::string angle_list(const std::vector<double>& angles) {
@@ -187,6 +201,7 @@ core::Result<Taught> teach(const TeachInput& input) {
   warn_about_size(features, out.warnings);
   warn_about_features(features, out.warnings);
   warn_about_angles(out.model.learnt, out.warnings);
+  warn_about_points(input, out.warnings);
   out.teach_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

@@ -36,7 +36,7 @@ SET B@2 0
 JUMP *HELDU IF D@2>D@1
 JUMP *HELDG IF IN#({input})=ON
 *LOOP
-MOVJ P000 VJ=20.00
+MOVJ P000 VJ={home_joints}
 *READY
 SET B@2 1
 *WAITPC
@@ -202,7 +202,8 @@ void check(const VispickSettings& s) {
          "the window is no box");
   }
   need(s.approach_mm >= 0 && s.approach_mm <= 1000, "approach outside 0..1000 mm");
-  need(s.travel_pct >= 0.01 && s.travel_pct <= 100, "joint speed outside 0.01..100 %");
+  for (const double pct : {s.home_pct, s.travel_pct})
+    need(pct >= 0.01 && pct <= 100, "joint speed outside 0.01..100 %");
   need(s.travel_mm_s >= 0.1 && s.travel_mm_s <= 1500 && s.final_mm_s >= 0.1 && s.final_mm_s <= 1500,
        "speed outside 0.1..1500 mm/s");
 }
@@ -220,6 +221,7 @@ std::map<std::string, std::string, std::less<>> words(const VispickSettings& s) 
           {"z_min", micrometres(s.window_min_mm[2])},
           {"z_max", micrometres(s.window_max_mm[2])},
           {"approach", micrometres(s.approach_mm)},
+          {"home_joints", fixed(s.home_pct, 2)},
           {"joints", fixed(s.travel_pct, 2)},
           {"travel", fixed(s.travel_mm_s, 1)},
           {"final", fixed(s.final_mm_s, 1)},

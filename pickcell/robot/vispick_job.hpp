@@ -17,6 +17,7 @@ struct VispickSettings {
   std::array<double, 3> window_min_mm = {100, -550, -320};  ///< of grasp and place
   std::array<double, 3> window_max_mm = {750, 550, 430};    ///< z: with the approach
   double approach_mm = 80;                                  ///< straight above grasp and place
+  double home_pct = 20;                                     ///< to the home position, of the joints' speed
   double travel_pct = 30;                                   ///< to above the grasp, of the joints' speed
   double travel_mm_s = 300;
   double final_mm_s = 100;  ///< the last piece down

@@ -25,6 +25,7 @@ struct Asset {
   std::string content_type;
   bool immutable = false;  ///< the name carries a hash of the content
   std::string body;
+  std::string gzipped;  ///< the same for clients that take it; empty where it would save nothing
 };
 
 class AssetTable {

@@ -14,6 +14,7 @@ struct HttpRequest {
   std::string origin;  ///< empty: not from a page
   std::string content_type;
   std::string idempotency_key;
+  std::string accept_encoding;
   std::string body;
 };
 

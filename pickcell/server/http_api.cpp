@@ -34,6 +34,24 @@ bool is_json(const std::string& content_type) {
   return type == kJson;
 }
 
+/// "gzip" among the codings, and not with q=0.
+bool takes_gzip(const std::string& accept_encoding) {
+  const std::size_t at = accept_encoding.find("gzip");
+  if (at == std::string::npos) return false;
+  const std::string rest = accept_encoding.substr(at + 4, accept_encoding.find(',', at) - at - 4);
+  return rest.find("q=0") == std::string::npos || rest.find("q=0.") != std::string::npos;
+}
+
+HttpReply file_reply(const Asset& asset, bool gzip) {
+  HttpReply reply{200,
+                  {{"Content-Type", asset.content_type},
+                   {"Cache-Control", asset.immutable ? "public, max-age=31536000, immutable" : "no-cache"},
+                   {"Vary", "Accept-Encoding"}},
+                  gzip && !asset.gzipped.empty() ? asset.gzipped : asset.body};
+  if (gzip && !asset.gzipped.empty()) reply.headers.emplace_back("Content-Encoding", "gzip");
+  return reply;
+}
+
 }  // namespace
 
 const std::vector<std::pair<std::string, std::string>>& common_headers() {
@@ -75,16 +93,12 @@ HttpReply HttpApi::answer(const HttpRequest& request, WallTime now) {
   if (!serves_host(request.host))
     return error_reply(421, "host", "this server is not " + request.host, "open it as http://127.0.0.1:PORT");
   if (request.method == "POST") return post(request, path, now);
-  if (request.method == "GET" || request.method == "HEAD") return get(path);
+  if (request.method == "GET" || request.method == "HEAD") return get(path, takes_gzip(request.accept_encoding));
   return error_reply(405, "method", "only GET, HEAD and POST are known");
 }
 
-HttpReply HttpApi::get(const std::string& path) {
-  if (const Asset* asset = assets_.find(path))
-    return {200,
-            {{"Content-Type", asset->content_type},
-             {"Cache-Control", asset->immutable ? "public, max-age=31536000, immutable" : "no-cache"}},
-            asset->body};
+HttpReply HttpApi::get(const std::string& path, bool gzip) {
+  if (const Asset* asset = assets_.find(path)) return file_reply(*asset, gzip);
   if (path == "/api/version") {
     Json body;
     body.set("ok", true).set("data", Json::Object{{"build", assets_.build()}, {"proto", kProtocol}});

@@ -37,7 +37,7 @@ class HttpApi {
   [[nodiscard]] const AssetTable& assets() const { return assets_; }
 
  private:
-  HttpReply get(const std::string& path);
+  HttpReply get(const std::string& path, bool gzip);
   HttpReply frame_jpg();
   HttpReply state() const;
   HttpReply post(const HttpRequest& request, const std::string& path, WallTime now);

@@ -328,6 +328,7 @@ class Server::Impl::HttpConnection : public std::enable_shared_from_this<HttpCon
                               text(got[http::field::origin]),
                               text(got[http::field::content_type]),
                               text(got["Idempotency-Key"]),
+                              text(got[http::field::accept_encoding]),
                               got.body()};
     if (websocket::is_upgrade(got)) return upgrade(request);
     write(server_.answer(request), got.keep_alive(), got.method() == http::verb::head);

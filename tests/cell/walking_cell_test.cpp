@@ -126,7 +126,7 @@ TEST_F(WalkingCell, EveryPickIsInTheRunFolder) {
 }
 
 TEST_F(WalkingCell, WhatDoesNotExistYetIsRefused) {
-  EXPECT_EQ(pickcell({"start", "--picks", "1", "--robot", "hses"}).code, 2);
+  EXPECT_EQ(pickcell({"start", "--picks", "1", "--robot", "motoros"}).code, 2);
   EXPECT_EQ(pickcell({"start", "--picks", "1", "--camera", "gige"}).code, 2);
   EXPECT_EQ(pickcell({"start", "--pick", "1"}).code, 2);
   EXPECT_EQ(pickcell({"start", "--picks", "0"}).code, 2);
