@@ -25,7 +25,7 @@ LAYERS = {
     "picks": (("core",), (PART_POSE,)),
     "robot": (("core",), (PICK,)),
     "cell": (("core", "image", "frames", "matches", "poses", "picks", "robot"), ()),
-    "sim": (("core", "image", "frames"), ("pickcell/robot/*_codec.hpp",)),
+    "sim": (("core", "image", "frames"), ("pickcell/robot/*_codec.hpp", "pickcell/robot/hses_frame.hpp")),
     "server": (("core", "image", "cell"), (FRAME, MATCH, PART_POSE, PICK)),
     "cli": (("core", "image", "frames", "matches", "poses", "picks", "robot", "cell", "sim", "server"), ()),
 }

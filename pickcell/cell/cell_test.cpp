@@ -291,6 +291,10 @@ class CellTest : public ::testing::Test {
     Vision vision(std::make_unique<TableEngine>(table_), std::move(models), calibration());
     cell_ = std::make_unique<Cell>(
         CellParts{clock_, clock_.join("cell"), camera_, robot_, std::move(vision), std::move(*log)}, settings_);
+    {
+      const std::lock_guard lock(mutex_);
+      seen_ = {};
+    }
     cell_->on_change([this, cell = cell_.get()] {
       const Snapshot now = cell->snapshot();
       const std::lock_guard lock(mutex_);
