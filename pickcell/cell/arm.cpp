@@ -73,7 +73,6 @@ Halt Arm::with_alarm_text(Halt halt) {
 }
 
 void Arm::hold() {
-  if (!robot_.connected()) return;
   if (auto held = robot_.hold(true); !held)
     core::log(core::LogLevel::warning, "cell", "the arm could not be told to hold: " + held.error().line());
 }

@@ -39,7 +39,8 @@ class Arm {
   [[nodiscard]] std::optional<Hindrance> hindrance() const { return hindrance_; }
   /// Why the cell stands after a call to robot() failed; when the link is gone, view() says so too.
   [[nodiscard]] tl::unexpected<Halt> failed(const core::Error& error, const std::string& doing);
-  /// Tells the arm to stand, where the link still carries it.
+  /// Tells the arm to stand, over a new connection where the old one is gone; a controller that does not answer is
+  /// logged.
   void hold();
 
   [[nodiscard]] const RobotView& view() const { return view_; }

@@ -134,6 +134,8 @@ void Cell::live() {
     if (desk_.take(Command::reset)) do_reset();
     if (mode_ == Mode::idle && desk_.take(Command::start)) {
       const Halt halt = work();
+      // Nobody sees any more what the arm does: it is told to stand, and never to go on.
+      if (halt.code == "LINK_TIMEOUT" || halt.code == "LINK_LOST") arm_.hold();
       has_stopped_ = true;
       enter(halt);
     }

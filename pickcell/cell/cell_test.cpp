@@ -647,13 +647,13 @@ TEST_F(CellTest, AFeedBrokenOffEarlierDoesNotStickForGood) {
 
 TEST_F(CellTest, StopRightBehindStartIsNotLost) {
   table_.parts = {{200, 150, .95, {}, .05}};
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 6; ++i) {
     open();
     wait_ready();
     ASSERT_TRUE(cell_->start());
     ASSERT_TRUE(cell_->stop_cycle());
-    // Simulated minutes: long enough for a cell that has not heard the Stop to feed and look again and again.
-    const core::TimePoint later = clock_.now() + std::chrono::minutes(2);
+    // Long enough for a cell that has not heard the Stop to pick, and to look again.
+    const core::TimePoint later = clock_.now() + std::chrono::seconds(15);
     wait([&](const Snapshot& s) { return s.mode == Mode::idle && clock_.now() > later; });
     cell_->close();
     EXPECT_LE(cell_->snapshot().counters.submitted, 1);

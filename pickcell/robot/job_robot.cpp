@@ -234,7 +234,11 @@ core::Result<Outcome> JobRobot::withdraw(core::Seat& seat) {
                        "start the job; it does not execute the old pick");
 }
 
-core::Status JobRobot::hold(bool on) { return link_->hold(on); }
+core::Status JobRobot::hold(bool on) {
+  if (on && !link_->connected())
+    if (auto opened = link_->connect(); !opened) return opened;
+  return link_->hold(on);
+}
 
 core::Status JobRobot::reset() {
   if (auto released = link_->hold(false); !released) return released;

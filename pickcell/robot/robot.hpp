@@ -69,6 +69,7 @@ class Robot {
   [[nodiscard]] virtual core::Result<std::optional<Outcome>> outcome() = 0;
   /// Withdraws a pick that was not taken yet (raises the fence), settles its outcome.
   [[nodiscard]] virtual core::Result<Outcome> withdraw(core::Seat& seat) = 0;
+  /// on: makes a new connection where there is none (connect() is still due afterwards).
   [[nodiscard]] virtual core::Status hold(bool on) = 0;
   /// Clears alarm and error; never moves.
   [[nodiscard]] virtual core::Status reset() = 0;

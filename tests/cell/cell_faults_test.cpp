@@ -123,6 +123,24 @@ TEST_F(CellFaults, HalfALine) {
   expect_nothing_lost_or_doubled();
 }
 
+TEST_F(CellFaults, NoAnswerMidPickHoldsTheArm) {
+  set_up(3);
+  during_pick(2, false, [](sim::Controller& controller) {
+    sim::FaultEvent event;
+    event.fault = sim::Fault::half_line;
+    event.after_commands = 1;
+    event.count = 3;  // also to what is asked again
+    controller.inject(event);
+  });
+  setup_.cell->open();
+  const Snapshot fault = wait_fault();
+  EXPECT_FALSE(fault.reason.empty());
+  EXPECT_FALSE(fault.remedy.empty());
+  EXPECT_TRUE(setup_.plant->controller->copy_of_state().hold_command) << "an arm that nobody watches stands";
+  reset_start_finish(3);
+  expect_nothing_lost_or_doubled();
+}
+
 TEST_F(CellFaults, RefusalWith2060) {
   set_up(3);
   // An alarm raised between two picks: the next write is refused with 2060 (error or alarm present), or the cell sees
