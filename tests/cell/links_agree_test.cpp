@@ -58,9 +58,10 @@ class LinksAgree : public ::testing::Test {
     EXPECT_TRUE(std::equal(pulses.begin(), pulses.begin() + 6, same.begin()));
     EXPECT_EQ(tcp_->list_jobs().value(), hses_->list_jobs().value());
     std::vector<int> codes, others;
-    for (const auto& alarm : tcp_->read_alarms().value())
+    const std::vector<robot::Alarm> over_tcp = tcp_->read_alarms().value(), over_hses = hses_->read_alarms().value();
+    for (const auto& alarm : over_tcp)
       if (!alarm.text.starts_with("error")) codes.push_back(alarm.code);
-    for (const auto& alarm : hses_->read_alarms().value()) others.push_back(alarm.code);
+    for (const auto& alarm : over_hses) others.push_back(alarm.code);
     EXPECT_EQ(codes, others);
   }
 
