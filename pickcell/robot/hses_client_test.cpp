@@ -119,12 +119,12 @@ TEST(HsesClient, MatchesAnswersAndDropsTheRest) {
     HsesBytes cut = hses_bytes(answer_to(r, {96}));
     cut.pop_back();
     return std::vector<HsesBytes>{hses_bytes(late),
-                       hses_bytes(other),
-                       hses_bytes(file),
-                       cut,
-                       HsesBytes{1, 2, 3},
-                       hses_bytes(answer_to(r, {7})),
-                       hses_bytes(answer_to(r, {95}))};
+                                  hses_bytes(other),
+                                  hses_bytes(file),
+                                  cut,
+                                  HsesBytes{1, 2, 3},
+                                  hses_bytes(answer_to(r, {7})),
+                                  hses_bytes(answer_to(r, {95}))};
   };
   ScriptedController controller({says(kIdle), noisy, says({8})});
   HsesClient client(controller.settings());
