@@ -81,7 +81,7 @@ constexpr ControllerFault kFaults[] = {
     {0x5430, "error in system data", kLook},
     {0x5480, "wrong welder type", kLook},
     {0xA000, "unknown command", kOurs},
-    {0xA001, "unknown instance", kOurs},
+    {0xA001, "there is no such number", "check the number of the variable, contact or task against the controller"},
     {0xA002, "unknown attribute", kOurs},
     {0xA100, "answer too large", kOurs},
     {0xA101, "answer too large", kOurs},

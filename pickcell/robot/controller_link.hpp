@@ -25,11 +25,12 @@ struct CurrentJob {
 struct DirectMove {
   enum class Kind {
     joint,    ///< speed in % of the greatest
-    line,     ///< speed in mm/s
-    line_by,  ///< the target is a difference in its frame's directions; speed in mm/s
+    line,     ///< straight
+    line_by,  ///< straight; the target is a difference in its frame's directions
   };
   Kind kind = Kind::joint;
   double speed = 0;
+  bool turning = false;  ///< of a straight line: speed is that of the turn in deg/s, otherwise of the way in mm/s
   CartesianPosition target;
 };
 

@@ -353,7 +353,7 @@ core::Status HsesClient::start_job(const std::string& job) {
 core::Status HsesClient::move(const DirectMove& m) {
   HsesMoveData data;
   const bool joint = m.kind == DirectMove::Kind::joint;
-  data.speed.kind = joint ? 0 : 1;
+  data.speed.kind = joint ? 0 : m.turning ? 2 : 1;
   data.speed.value = static_cast<std::uint32_t>(std::llround(m.speed * (joint ? 100 : 10)));
   data.target = hses_position(m.target);
   const auto kind = joint                              ? HsesMoveKind::joint

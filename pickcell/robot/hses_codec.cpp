@@ -66,7 +66,8 @@ HsesRequest request(std::uint16_t command, std::uint16_t instance, std::uint8_t 
 
 std::int32_t scaled(double value, double per_unit) {
   const double v = std::round(value * per_unit);
-  if (!std::isfinite(v) || std::abs(v) > std::numeric_limits<std::int32_t>::max())
+  if (!std::isfinite(v) || v < std::numeric_limits<std::int32_t>::lowest() ||
+      v > std::numeric_limits<std::int32_t>::max())
     throw std::invalid_argument("a position must be finite and within 32 bits");
   return static_cast<std::int32_t>(v);
 }

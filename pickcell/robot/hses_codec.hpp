@@ -11,7 +11,7 @@
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/robot/controller_link.hpp"
-#include "pickcell/robot/hses_frame.hpp"
+#include "pickcell/robot/hses_frame_codec.hpp"
 #include "pickcell/robot/position.hpp"
 #include "pickcell/robot/robot.hpp"
 

@@ -6,6 +6,7 @@
 
 #include "pickcell/core/log.hpp"
 #include "pickcell/robot/pose_angles.hpp"
+#include "pickcell/robot/readiness.hpp"
 #include "pickcell/robot/tcp80_codec.hpp"  // positions as text, for the journal's readers
 
 namespace pickcell::robot {
@@ -121,22 +122,17 @@ core::Result<core::Transform<core::Base, core::Tool>> JobRobot::pose() {
 }
 
 core::Status JobRobot::may_start(const RobotState& state) {
+  const std::vector<Hindrance> found = hindrances(state);
+  if (found.empty()) return {};
+  std::string why = found.front().what;
   if (state.alarm || state.error) {
     std::string which;
     if (auto list = link_->read_alarms()) {
       for (const Alarm& alarm : *list) which += (which.empty() ? ": " : ", ") + alarm.text;
     }
-    return not_ready("the controller is in " + std::string(state.alarm ? "alarm" : "error") + which,
-                     "remove the cause, then Reset");
+    why += which;
   }
-  if (state.teach || !state.play) return not_ready("the key switch stands on TEACH", "turn it to REMOTE");
-  if (!state.remote)
-    return not_ready("command remote is not on",
-                     "turn the key to REMOTE and select command remote (pseudo-input screen)");
-  if (state.hold_pendant) return not_ready("held from the pendant", "release HOLD on the pendant");
-  if (state.hold_external) return not_ready("held by an external signal", "release the external hold input");
-  if (state.hold_command) return not_ready("held by command", "Reset releases the hold");
-  return {};
+  return not_ready(std::move(why), found.front().remedy);
 }
 
 core::Status JobRobot::servo_on(core::Seat& seat) {

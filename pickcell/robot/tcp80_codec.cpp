@@ -166,7 +166,7 @@ std::string tcp80_write_position(int number, const VariablePosition& position) {
 Tcp80Move tcp80_move(const DirectMove& move) {
   const bool joint = move.kind == DirectMove::Kind::joint;
   std::string operands;
-  if (!joint) operands = "0,";  // V: mm/s
+  if (!joint) operands = move.turning ? "1," : "0,";  // VR deg/s, V mm/s
   append_fixed(operands, move.speed, joint ? 2 : 1);
   const CartesianPosition& p = move.target;
   operands += ',' + std::to_string(p.frame);

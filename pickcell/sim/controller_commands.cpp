@@ -54,6 +54,7 @@ Refusal may_write(const ControllerState& s) { return s.remote ? Refusal::none : 
 Refusal set_hold(ControllerState& s, bool on) {
   if (!s.remote) return Refusal::not_remote;
   s.hold_command = on;
+  if (on && s.running()) s.stopping = true;
   return Refusal::none;
 }
 

@@ -103,7 +103,7 @@ void ControllerState::reset_at_pendant() {
 void ControllerState::lose_power() {
   task = {};
   move.reset();
-  direct_move = false;
+  direct_move = stopping = false;
   servo = false;
   alarms.clear();
   error = hold_pendant = hold_external = hold_command = false;

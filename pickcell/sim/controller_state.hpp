@@ -107,6 +107,7 @@ struct ControllerState {
   Task task;
   std::optional<Move> move;  ///< of the task, or a direct one
   bool direct_move = false;
+  bool stopping = false;  ///< a hold, alarm or the like has begun to stop what runs: it does not go on without START
 
   // modes
   bool play = true, remote = true, servo = false, emergency_stop = false;

@@ -1,6 +1,6 @@
 #pragma once
 /// The commands of the High Speed Ethernet Server (docs/yaskawa-protocols 2.2-2.5) on a controller state: request in,
-/// answer out. No sockets. The bytes are those of robot/hses_frame; the state is the one behind every door.
+/// answer out. No sockets. The bytes are those of robot/hses_frame_codec; the state is the one behind every door.
 
 #include <string>
 

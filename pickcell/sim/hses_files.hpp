@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "pickcell/robot/hses_frame.hpp"
+#include "pickcell/robot/hses_frame_codec.hpp"
 #include "pickcell/sim/controller_state.hpp"
 
 namespace pickcell::sim {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "pickcell/core/result.hpp"
-#include "pickcell/robot/hses_frame.hpp"
+#include "pickcell/robot/hses_frame_codec.hpp"
 #include "pickcell/sim/answer_faults.hpp"
 
 namespace pickcell::sim {

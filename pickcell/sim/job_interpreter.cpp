@@ -29,9 +29,17 @@ class Interpreter {
   Interpreter(ControllerState& state, double dt_s) : s_(state), t_(state.task), dt_s_(dt_s) {}
 
   void tick() {
+    const auto runs = [this] { return t_.running || s_.direct_move; };
+    if (s_.motion_blocked() && runs()) s_.stopping = true;
+    carry_on();
+    if (!runs()) s_.stopping = false;
+  }
+
+ private:
+  void carry_on() {
     if (s_.move && !advance_move()) return;
     if (!t_.running) return;
-    if (s_.motion_blocked()) {
+    if (blocked()) {
       t_.running = false;
       return;
     }
@@ -44,11 +52,13 @@ class Interpreter {
     }
   }
 
- private:
+  /// A stop that has begun comes to its end, also when its cause is gone before.
+  [[nodiscard]] bool blocked() const { return s_.motion_blocked() || s_.stopping; }
+
   /// True when the arm stands and the job may go on.
   bool advance_move() {
-    if (s_.motion_blocked())
-      s_.move->stop(s_.held() && s_.servo ? s_.limits.hold_ramp_s : s_.limits.emergency_ramp_s);
+    if (blocked())
+      s_.move->stop(s_.servo && s_.play ? s_.limits.hold_ramp_s : s_.limits.emergency_ramp_s);
     else if (t_.running || s_.direct_move)
       s_.move->resume();
     else
@@ -70,7 +80,7 @@ class Interpreter {
     } else {
       return false;
     }
-    if (s_.motion_blocked()) s_.direct_move = t_.running = false;
+    if (blocked()) s_.direct_move = t_.running = false;
     return true;
   }
 

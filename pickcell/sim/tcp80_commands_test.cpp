@@ -236,6 +236,19 @@ TEST_F(Tcp80Commands, MovesDirectly) {
   EXPECT_EQ(order("PMOVJ", "20,0,0,0,0,-200000,0,0,0,0,0,0,0,1"), 4130) << "beyond the axis";
 }
 
+TEST_F(Tcp80Commands, AHoldOfAMomentStopsTheArmForGood) {
+  ASSERT_EQ(order("SVON", "1"), 0);
+  ASSERT_EQ(order("MOVJ", kMovj), 0);
+  pass(0.3);
+  ASSERT_EQ(order("HOLD", "1"), 0);
+  ASSERT_EQ(order("HOLD", "0"), 0);
+  pass(0.5);
+  EXPECT_EQ(ask("RSTATS"), "194,64") << "it stands, and nothing holds it";
+  const std::string stood = ask("RPOSJ");
+  pass(5);
+  EXPECT_EQ(ask("RPOSJ"), stood);
+}
+
 TEST_F(Tcp80Commands, HoldEndsADirectMove) {
   ASSERT_EQ(order("SVON", "1"), 0);
   ASSERT_EQ(order("MOVJ", kMovj), 0);

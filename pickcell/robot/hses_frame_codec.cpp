@@ -1,4 +1,4 @@
-#include "pickcell/robot/hses_frame.hpp"
+#include "pickcell/robot/hses_frame_codec.hpp"
 
 #include <algorithm>
 #include <array>
