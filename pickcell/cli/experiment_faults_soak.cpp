@@ -140,7 +140,7 @@ class Soak {
     for (;;) {
       if (chance(options_.outside_rate)) try_outside(part);
       ++report_.submitted;
-      fault_.reset();
+      before_ = std::exchange(fault_, std::nullopt);
       if (chance(options_.fault_rate)) choose_fault();
       if (auto handled = hand_over(part); !handled) return handled;
       auto state = recorded(part);
@@ -250,7 +250,7 @@ class Soak {
   void judge(const Stop& stop) {
     ++report_.stops;
     const bool slow = stop.code == "LINK_TIMEOUT";  // the machine was busy: said in words, though nobody ordered it
-    const bool named = (fault_ && explains(stop, *fault_)) || slow;
+    const bool named = (fault_ && explains(stop, *fault_)) || (before_ && explains(stop, *before_)) || slow;
     if (named && !stop.why.empty() && !stop.remedy.empty())
       ++report_.stops_explained;
     else
@@ -306,6 +306,7 @@ class Soak {
   /// Puts things right at the controller, looks at the gripper where asked to, resets and starts, until it runs.
   core::Status recover() {
     strikes_.reset();
+    fault_.reset();
     (void)controller_->revive();
     controller_->with_state([](sim::ControllerState& s) {
       s.hold_pendant = false;
@@ -398,6 +399,7 @@ class Soak {
   std::unique_ptr<MortalJournal> mortal_;
   std::unique_ptr<robot::Tcp80Robot> robot_;
   std::optional<SoakFault> fault_;          ///< of this pick
+  std::optional<SoakFault> before_;         ///< of the pick before, when that one ended well: it may strike late
   std::optional<core::TimePoint> strikes_;  ///< when the controller's power or the PC goes
   std::set<std::int32_t> told_;
 };
