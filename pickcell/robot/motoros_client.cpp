@@ -156,7 +156,10 @@ core::Result<MotoFrame> MotoRosClient::exchange(Port& port, const MotoFrame& req
     if (answer->type == reply_type || answer->type == moto::kIoReply) return answer;
     answer = core::failure(ErrorCode::link, peer(), "out of step: " + in_words(*answer), "connect again");
   }
-  port = {};
+  if (answer.error().code == ErrorCode::timeout && &port == &motion_)
+    port.doubtful = true;
+  else
+    port = {};
   return tl::unexpected(with_trail(std::move(answer.error())));
 }
 
@@ -210,12 +213,42 @@ core::Status MotoRosClient::stop_trajectory_mode() {
   return command(moto::kStopTrajectoryMode, "stop trajectory mode", settings_.reply_timeout);
 }
 
-core::Status MotoRosClient::stop() {
-  if (!connected()) {
-    if (auto opened = open(motion_, 0); !opened) return opened;
-    if (!motion_.splitter) return core::failure(ErrorCode::link, peer(), "byte order not known yet", "connect first");
+/// Replies to what was asked before are passed over.
+core::Status MotoRosClient::stop_on_this_connection() {
+  const WallDeadline deadline = in(settings_.reply_timeout);
+  MotoCommand stop;
+  stop.command = moto::kStop;
+  const MotoFrame request = moto_frame(stop);
+  remember('>', request);
+  if (auto sent = motion_.link->write(moto_bytes(request, *order_), deadline); !sent) return sent;
+  for (;;) {
+    auto answer = frame(motion_, deadline);
+    if (!answer) return core::forward(answer);
+    remember('<', *answer);
+    const auto reply = parse_moto_reply(*answer);
+    if (!reply || reply->command != moto::kStop) continue;
+    if (reply->result == moto::ok) return {};
+    const MotoFault fault = moto_fault(reply->result, reply->subcode);
+    return core::failure(ErrorCode::refused, peer() + " stop", fault.meaning, fault.remedy);
   }
-  return command(moto::kStop, "stop", settings_.reply_timeout);
+}
+
+core::Status MotoRosClient::stop() {
+  if (!order_) return core::failure(ErrorCode::link, peer(), "byte order not known yet", "connect first");
+  const bool doubtful = motion_.doubtful;
+  core::Status stopped;
+  if (motion_.link) {
+    stopped = stop_on_this_connection();
+    if (doubtful || !stopped) motion_ = {};
+    if (stopped) return stopped;
+  }
+  if (auto opened = open(motion_, 0); !opened) return opened;
+  stopped = stop_on_this_connection();
+  if (!stopped) {
+    motion_ = {};
+    return tl::unexpected(with_trail(std::move(stopped.error())));
+  }
+  return stopped;
 }
 
 core::Status MotoRosClient::servo(bool on) {

@@ -31,16 +31,16 @@ struct MotoRosState {
 };
 
 /// One thread at a time. Errors: link, timeout, refused with the controller's result, subcode and their meaning. Every
-/// error carries the last messages exchanged. After link or timeout on the motion port that connection is closed: a
-/// late reply must not be taken for the next one's, and nobody knows whether the request was carried out. Nothing is
-/// repeated on it. Reads of state are repeated once on a new connection.
+/// error carries the last messages exchanged. After link or timeout on the motion port that connection is given up: a
+/// late reply must not be taken for the next one's, and nobody knows whether the request was carried out. Nothing but a
+/// stop is sent on it any more. Reads of state are repeated once on a new connection.
 class MotoRosClient {
  public:
   explicit MotoRosClient(MotoRosClientSettings settings);
 
   /// State first, for the byte order, then motion. Closes what was open. The I/O connection is made when needed.
   [[nodiscard]] core::Status connect();
-  [[nodiscard]] bool connected() const { return motion_.link.has_value(); }
+  [[nodiscard]] bool connected() const { return motion_.link && !motion_.doubtful; }
   void disconnect();
   /// host:port of motion
   [[nodiscard]] std::string peer() const;
@@ -55,8 +55,8 @@ class MotoRosClient {
   [[nodiscard]] core::Result<bool> ready();
   [[nodiscard]] core::Status start_trajectory_mode();
   [[nodiscard]] core::Status stop_trajectory_mode();
-  /// Ends all motion at once, without a ramp. Harmless to repeat: where the motion connection is gone, a new one is
-  /// tried for it.
+  /// Ends all motion at once, without a ramp. Harmless to repeat, so it is: on the connection that is open or was given
+  /// up (the controller takes no second one while it moves), then on a new one.
   [[nodiscard]] core::Status stop();
   [[nodiscard]] core::Status servo(bool on);
   [[nodiscard]] core::Status reset_alarm();
@@ -81,11 +81,13 @@ class MotoRosClient {
   struct Port {
     std::optional<ByteLink> link;
     std::optional<MotoFrameSplitter> splitter;
+    bool doubtful = false;  ///< an answer is missing: fit for nothing but stop()
   };
   [[nodiscard]] core::Status open(Port& port, int offset);
   [[nodiscard]] core::Status open_state();
   [[nodiscard]] core::Result<MotoFrame> frame(Port& port, WallDeadline deadline);
   [[nodiscard]] core::Result<MotoRosState> fresh_pair();
+  [[nodiscard]] core::Status stop_on_this_connection();
   /// One request, one reply of the type; closes the port when that does not come.
   [[nodiscard]] core::Result<MotoFrame> exchange(Port& port, const MotoFrame& request, std::int32_t reply_type,
                                                  std::chrono::milliseconds timeout);

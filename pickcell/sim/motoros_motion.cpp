@@ -143,7 +143,8 @@ MotoReply MotoRosMotion::point(const ControllerState& s, const MotoTrajectoryPoi
     return with(reply, moto::invalid, moto::data);
   if (next.time_s >= kLongestTrajectory_s) return with(reply, moto::invalid, moto::time);
   if (p.sequence < 0) return with(reply, moto::invalid, moto::sequence);
-  if (p.sequence > 0 && end_s_ > executed_s_ + settings_.queue_increments * settings_.increment_s)
+  // Whoever cuts the point into increments looks for room once a period: it is through one period late.
+  if (p.sequence > 0 && end_s_ > executed_s_ + (settings_.queue_increments - 1) * settings_.increment_s + 1e-9)
     return with(reply, moto::busy);
   if (p.sequence == 0) {
     const Joints off = ((next.q - s.q).array() * s.arm->pulses_per_rad.array()).abs();

@@ -127,10 +127,10 @@ class MotoRosServer::Loop {
     while (!stop.stop_requested()) {
       wait();
       if (stop.stop_requested()) return;
-      for (const Port port : {kMotion, kState, kIo}) accept_hosts(port);
       send_state();
       for (Connection& c : connections_) serve(c);
-      forget_finished();
+      forget_finished();  // who left makes room for who comes
+      for (const Port port : {kMotion, kState, kIo}) accept_hosts(port);
     }
   }
 
