@@ -22,6 +22,8 @@ std::string table(const FaultSoakReport& r) {
   };
   line("parts dealt with", r.parts);
   line("hand-overs begun (a withdrawn pick is tried again)", r.submitted);
+  line("  over TCP 80", r.submitted - r.over_hses);
+  line("  over HSES", r.over_hses);
   line("  done", r.done);
   line("  refused by the job (nothing gripped, lost on the way)", r.refused);
   line("  unknown: a person was asked to look", r.unknown);
@@ -47,7 +49,11 @@ std::string json(const FaultSoakReport& r, std::uint64_t seed) {
     injected.set(name(static_cast<SoakFault>(i)), r.injected[static_cast<std::size_t>(i)]);
   core::Json line = core::Json::object();
   line.set("experiment", "faults").set("seed", static_cast<std::int64_t>(seed)).set("parts", r.parts);
-  line.set("submitted", r.submitted).set("done", r.done).set("refused", r.refused).set("unknown", r.unknown);
+  line.set("submitted", r.submitted)
+      .set("over_hses", r.over_hses)
+      .set("done", r.done)
+      .set("refused", r.refused)
+      .set("unknown", r.unknown);
   line.set("withdrawn", r.withdrawn).set("outside_refused", r.outside_refused).set("pc_starts", r.pc_starts);
   line.set("injected", std::move(injected)).set("stops", r.stops).set("stops_explained", r.stops_explained);
   line.set("executed_twice", r.executed_twice).set("lost", r.lost).set("forbidden_motions", r.forbidden_motions);

@@ -1,5 +1,6 @@
 #include "pickcell/cli/experiment_faults_soak.hpp"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,7 +13,9 @@
 #include "pickcell/cell/journal.hpp"
 #include "pickcell/cli/experiment_faults_journal.hpp"
 #include "pickcell/cli/experiment_faults_world.hpp"
-#include "pickcell/robot/tcp80_robot.hpp"
+#include "pickcell/robot/hses_client.hpp"
+#include "pickcell/robot/job_robot.hpp"
+#include "pickcell/robot/tcp80_client.hpp"
 #include "pickcell/sim/controller.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 
@@ -113,14 +116,28 @@ class Soak {
     if (!journal) return core::forward(journal);
     journal_ = std::move(*journal);
     mortal_ = std::make_unique<MortalJournal>(*journal_);
-    robot::Tcp80RobotSettings settings;
-    settings.link.host = "127.0.0.1";
-    settings.link.port = controller_->tcp80_port();
-    settings.link.line_timeout = settings.link.result_timeout = options_.answer_timeout;
+    robot::JobRobotSettings settings;
     settings.limits.box_min_mm = kBoxMin_mm;
     settings.limits.box_max_mm = kBoxMax_mm;
-    robot_ = std::make_unique<robot::Tcp80Robot>(settings, *mortal_, clock_);
+    robot_ = std::make_unique<robot::JobRobot>(settings, link(), *mortal_, clock_);
     return {};
+  }
+
+  /// Every start of the PC may speak another protocol: the registers are the same.
+  std::unique_ptr<robot::ControllerLink> link() {
+    hses_ = options_.protocols == SoakProtocols::hses || (options_.protocols == SoakProtocols::both && chance(0.5));
+    if (hses_) {
+      robot::HsesSettings settings;
+      settings.host = "127.0.0.1";
+      settings.port = controller_->hses_port();
+      settings.timeout = std::max<std::chrono::milliseconds>(options_.answer_timeout / settings.tries, 1ms);
+      return std::make_unique<robot::HsesClient>(settings);
+    }
+    robot::Tcp80Settings settings;
+    settings.host = "127.0.0.1";
+    settings.port = controller_->tcp80_port();
+    settings.line_timeout = settings.result_timeout = options_.answer_timeout;
+    return std::make_unique<robot::Tcp80Client>(settings);
   }
 
   picks::Pick pick(int part) const {
@@ -140,6 +157,7 @@ class Soak {
     for (;;) {
       if (chance(options_.outside_rate)) try_outside(part);
       ++report_.submitted;
+      report_.over_hses += hses_;
       before_ = std::exchange(fault_, std::nullopt);
       if (chance(options_.fault_rate)) choose_fault();
       if (auto handled = hand_over(part); !handled) return handled;
@@ -397,7 +415,8 @@ class Soak {
   std::unique_ptr<sim::Controller> controller_;
   std::unique_ptr<cell::SqliteJournal> journal_;
   std::unique_ptr<MortalJournal> mortal_;
-  std::unique_ptr<robot::Tcp80Robot> robot_;
+  std::unique_ptr<robot::JobRobot> robot_;
+  bool hses_ = false;
   std::optional<SoakFault> fault_;          ///< of this pick
   std::optional<SoakFault> before_;         ///< of the pick before, when that one ended well: it may strike late
   std::optional<core::TimePoint> strikes_;  ///< when the controller's power or the PC goes

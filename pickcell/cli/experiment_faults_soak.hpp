@@ -35,10 +35,13 @@ enum class SoakFault {
 constexpr int kSoakFaults = 14;
 [[nodiscard]] const char* name(SoakFault fault);
 
+enum class SoakProtocols { tcp80, hses, both };
+
 struct FaultSoakOptions {
   int picks = 10'000;
   std::uint64_t seed = 1;
-  std::filesystem::path folder;  ///< the journal lies there; one of an earlier run is removed
+  SoakProtocols protocols = SoakProtocols::both;  ///< both: chosen anew at every start of the PC
+  std::filesystem::path folder;                   ///< the journal lies there; one of an earlier run is removed
   /// Wall time that the driver waits for an answer. Small: every lost answer costs it.
   std::chrono::milliseconds answer_timeout{60};
   double fault_rate = 0.6;            ///< share of the picks that get a fault
@@ -50,6 +53,7 @@ struct FaultSoakOptions {
 struct FaultSoakReport {
   int parts = 0;      ///< dealt with: done, refused or unknown
   int submitted = 0;  ///< hand-overs begun; more than parts, because a withdrawn pick is tried again
+  int over_hses = 0;  ///< of them; the others over TCP 80
   int done = 0, refused = 0, unknown = 0, withdrawn = 0;
   std::array<int, kSoakFaults> injected{};
   int outside_refused = 0;  ///< picks outside the box: refused before a byte was sent

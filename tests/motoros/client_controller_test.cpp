@@ -128,10 +128,12 @@ TEST_P(ClientAndController, NothingUnsafeIsEverSent) {
   };
   auto good = turn_s(6);
   limits_.line_speed_mm_s = 5000;
-  refused(robot::plan_joint_move(*limits_.arm, joints(), joints() + ArmJoints::Constant(0.1), 0.9), "deg/s");
+  ArmJoints near = joints();
+  near[0] += 0.9;
+  refused(robot::plan_joint_move(*limits_.arm, joints(), near, 0.9), "deg/s");
   ArmJoints beyond = joints();
-  beyond[0] = 3.2;
-  refused(robot::plan_joint_move(*limits_.arm, joints(), beyond, 0.2), "axis S");
+  beyond[5] = 6.4;
+  refused(robot::plan_joint_move(*limits_.arm, joints(), beyond, 0.2), "axis T");
   ArmJoints low = joints();
   low[1] += 1.2;
   refused(robot::plan_joint_move(*limits_.arm, joints(), low, 0.05), "is outside");
