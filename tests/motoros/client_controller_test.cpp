@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <random>
 #include <utility>
 
 #include "pickcell/robot/motoros_client.hpp"
+#include "pickcell/robot/motoros_link.hpp"
 #include "pickcell/robot/motoros_move.hpp"
 #include "pickcell/robot/tcp80_client.hpp"
 #include "pickcell/sim/controller.hpp"
@@ -254,6 +256,64 @@ TEST_P(ClientAndController, ALineKeepsTheToolOnItsWay) {
   const auto moved = robot::run_trajectory(*client_, *points, limits_, *seat_);
   ASSERT_TRUE(moved) << moved.error().line();
   EXPECT_LT((controller_->T_base_flange().translation_m() - target.translation_m()).norm() * 1e3, 0.02);
+}
+
+/// `pickcell robot motoros://...` looks and moves through this.
+TEST_P(ClientAndController, TheLinkAgreesWithTheOneOfTcp80) {
+  robot::MotoRosLinkSettings settings;
+  settings.client.host = "127.0.0.1";
+  settings.client.port = controller_->motoros_port();
+  settings.model = "gp7";
+  robot::MotoRosLink link(settings);
+  ASSERT_TRUE(link.connect());
+  robot::Tcp80Settings other;
+  other.host = "127.0.0.1";
+  other.port = controller_->tcp80_port();
+  robot::Tcp80Client tcp80(other);
+  ASSERT_TRUE(tcp80.connect());
+  const std::vector<std::function<void(sim::ControllerState&)>> situations = {
+      [](sim::ControllerState&) {},
+      [](sim::ControllerState& s) { s.servo = true; },
+      [](sim::ControllerState& s) { s.hold_external = true; },
+      [](sim::ControllerState& s) { s.raise_alarm({4107, 0, ""}), s.error = true; },
+      [](sim::ControllerState& s) { s.turn_key_to_teach(); },
+  };
+  for (const auto& situation : situations) {
+    controller_->with_state([&](sim::ControllerState& s) {
+      s.reset_at_pendant(), s.turn_key_to_remote(), s.hold_external = false;
+      situation(s);
+    });
+    const auto here = link.read_status(), there = tcp80.read_status();
+    ASSERT_TRUE(here && there);
+    const auto seen = [](const robot::RobotState& s) {
+      return std::vector{s.running, s.teach, s.play, s.remote, s.hold_external, s.alarm, s.error, s.servo};
+    };
+    EXPECT_EQ(seen(*here), seen(*there));
+    EXPECT_EQ(link.read_alarms()->size(), controller_->copy_of_state().alarms.size());
+  }
+  controller_->with_state([](sim::ControllerState& s) { s.turn_key_to_remote(); });
+  EXPECT_EQ(link.read_contacts(27010, 2).value(), (std::vector<std::uint8_t>{0, 0}));
+  EXPECT_EQ(link.read_job().error().code, core::ErrorCode::usage);
+
+  robot::DirectMove down;
+  down.kind = robot::DirectMove::Kind::line_by;
+  down.speed = 100;
+  down.target.z_mm = -15;
+  const double z_m = controller_->T_base_flange().translation_m().z();
+  const auto moved = link.move(down);
+  ASSERT_TRUE(moved) << moved.error().line();
+  EXPECT_NEAR(controller_->T_base_flange().translation_m().z(), z_m - 0.015, 2e-5);
+  const auto pose = link.read_position(0);
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR(pose->z_mm, (z_m - 0.015) * 1e3, 0.05);
+  EXPECT_NEAR(std::abs(pose->rx_deg), 180, 0.01);
+  down.speed = 300;
+  EXPECT_EQ(link.move(down).error().code, core::ErrorCode::safety);
+  robot::DirectMove far;
+  far.speed = 10;
+  far.target = *pose;
+  far.target.x_mm = 1500;
+  EXPECT_EQ(link.move(far).error().code, core::ErrorCode::safety);
 }
 
 INSTANTIATE_TEST_SUITE_P(BothOrders, ClientAndController,

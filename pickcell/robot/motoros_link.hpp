@@ -1,0 +1,69 @@
+#pragma once
+/// MotoROS as `pickcell robot` sees a controller: state, contacts, joints, slow moves. Variables, jobs and pulses it
+/// does not have; asking for them is usage.
+
+#include <string>
+#include <vector>
+
+#include "pickcell/robot/controller_link.hpp"
+#include "pickcell/robot/motoros_client.hpp"
+#include "pickcell/robot/motoros_move.hpp"
+
+namespace pickcell::robot {
+
+struct MotoRosLinkSettings {
+  MotoRosClientSettings client;
+  /// gp7, gp8, motomini. Needed for poses and moves: MotoROS tells joints only. "": those are usage.
+  std::string model;
+  /// Whatever a move asks for, it is refused beyond this. The greatest speeds that commissioning allows at all.
+  double most_fraction = 0.25, most_mm_s = 250;
+  std::array<double, 3> box_min_mm{-2000, -2000, -500}, box_max_mm{2000, 2000, 2000};  ///< of the flange
+};
+
+/// As ControllerLink. Positions are those of the flange (tool 0, base frame), computed from the joints. Which of the
+/// holds is on MotoROS does not say: shown as external. hold(true) ends the motion; there is nothing that hold(false)
+/// could take back. move() returns when the arm has arrived.
+class MotoRosLink final : public ControllerLink {
+ public:
+  /// Throws std::invalid_argument for a model that is not known.
+  explicit MotoRosLink(MotoRosLinkSettings settings);
+
+  [[nodiscard]] core::Status connect() override { return client_.connect(); }
+  [[nodiscard]] bool connected() const override { return client_.connected(); }
+  void disconnect() override { client_.disconnect(); }
+  [[nodiscard]] std::string peer() const override { return client_.peer(); }
+  [[nodiscard]] core::Result<std::string> identity() override;
+
+  [[nodiscard]] core::Result<RobotState> read_status() override;
+  [[nodiscard]] core::Result<std::vector<Alarm>> read_alarms() override;
+  [[nodiscard]] core::Result<CartesianPosition> read_position(int frame) override;
+  [[nodiscard]] core::Result<std::vector<std::int32_t>> read_pulses() override;
+  [[nodiscard]] core::Result<CurrentJob> read_job() override;
+  [[nodiscard]] core::Result<std::int32_t> read_integer(VariableType type, int number) override;
+  [[nodiscard]] core::Result<double> read_real(int number) override;
+  [[nodiscard]] core::Result<VariablePosition> read_position_variable(int number) override;
+  [[nodiscard]] core::Status write_integer(VariableType type, int number, std::int32_t value) override;
+  [[nodiscard]] core::Status write_real(int number, double value) override;
+  [[nodiscard]] core::Status write_position_variable(int number, const VariablePosition& position) override;
+  [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups) override;
+  [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups) override;
+  [[nodiscard]] core::Status hold(bool on) override;
+  [[nodiscard]] core::Status reset_alarm() override { return client_.reset_alarm(); }
+  [[nodiscard]] core::Status cancel_error() override { return client_.reset_alarm(); }
+  [[nodiscard]] core::Status servo(bool on) override { return client_.servo(on); }
+  [[nodiscard]] core::Status start_job(const std::string& job) override;
+  [[nodiscard]] core::Status move(const DirectMove& move) override;
+  [[nodiscard]] core::Result<std::vector<std::string>> list_jobs() override;
+  [[nodiscard]] core::Result<std::string> read_job_text(const std::string& job) override;
+  [[nodiscard]] core::Status write_job_text(const std::string& job, const std::string& text) override;
+  [[nodiscard]] core::Status delete_job(const std::string& job) override;
+
+ private:
+  [[nodiscard]] core::Status needs_model(const std::string& for_what) const;
+
+  MotoRosLinkSettings settings_;
+  const ArmGeometry* arm_ = nullptr;
+  MotoRosClient client_;
+};
+
+}  // namespace pickcell::robot
