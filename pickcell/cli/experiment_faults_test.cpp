@@ -13,6 +13,7 @@ TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   FaultSoakOptions options;
   options.picks = 200;
   options.seed = 20261125;
+  options.answer_timeout = std::chrono::milliseconds(100);  // also under a sanitizer
   options.folder = std::filesystem::path(::testing::TempDir()) / ("pickcell_soak_" + std::to_string(getpid()));
   const auto report = run_fault_soak(options);
   ASSERT_TRUE(report) << report.error().line();

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "pickcell/robot/hses_codec.hpp"
-#include "pickcell/robot/hses_frame.hpp"
 #include "pickcell/robot/motoros_codec.hpp"
 #include "pickcell/robot/tcp80_codec.hpp"
 
