@@ -2,7 +2,11 @@
 /// MotoROS as `pickcell robot` sees a controller: state, contacts, joints, slow moves. Variables, jobs and pulses it
 /// does not have; asking for them is usage.
 
+#include <array>
+#include <atomic>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "pickcell/robot/controller_link.hpp"
@@ -22,16 +26,21 @@ struct MotoRosLinkSettings {
 
 /// As ControllerLink. Positions are those of the flange (tool 0, base frame), computed from the joints. Which of the
 /// holds is on MotoROS does not say: shown as external. hold(true) ends the motion; there is nothing that hold(false)
-/// could take back. move() returns when the arm has arrived.
+/// could take back. move() returns when the way was found safe and a thread streams it; `running` in read_status()
+/// tells when it has ended, and a move that failed is the error of the next read_status(). The destructor stops a move.
 class MotoRosLink final : public ControllerLink {
  public:
   /// Throws std::invalid_argument for a model that is not known.
   explicit MotoRosLink(MotoRosLinkSettings settings);
 
-  [[nodiscard]] core::Status connect() override { return client_.connect(); }
-  [[nodiscard]] bool connected() const override { return client_.connected(); }
-  void disconnect() override { client_.disconnect(); }
-  [[nodiscard]] std::string peer() const override { return client_.peer(); }
+  ~MotoRosLink() override;
+  MotoRosLink(const MotoRosLink&) = delete;
+  MotoRosLink& operator=(const MotoRosLink&) = delete;
+
+  [[nodiscard]] core::Status connect() override;
+  [[nodiscard]] bool connected() const override { return order_.has_value(); }
+  void disconnect() override;
+  [[nodiscard]] std::string peer() const override { return watch_.peer(); }
   [[nodiscard]] core::Result<std::string> identity() override;
 
   [[nodiscard]] core::Result<RobotState> read_status() override;
@@ -48,9 +57,9 @@ class MotoRosLink final : public ControllerLink {
   [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups) override;
   [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups) override;
   [[nodiscard]] core::Status hold(bool on) override;
-  [[nodiscard]] core::Status reset_alarm() override { return client_.reset_alarm(); }
-  [[nodiscard]] core::Status cancel_error() override { return client_.reset_alarm(); }
-  [[nodiscard]] core::Status servo(bool on) override { return client_.servo(on); }
+  [[nodiscard]] core::Status reset_alarm() override;
+  [[nodiscard]] core::Status cancel_error() override { return reset_alarm(); }
+  [[nodiscard]] core::Status servo(bool on) override;
   [[nodiscard]] core::Status start_job(const std::string& job) override;
   [[nodiscard]] core::Status move(const DirectMove& move) override;
   [[nodiscard]] core::Result<std::vector<std::string>> list_jobs() override;
@@ -60,10 +69,19 @@ class MotoRosLink final : public ControllerLink {
 
  private:
   [[nodiscard]] core::Status needs_model(const std::string& for_what) const;
+  [[nodiscard]] core::Result<std::vector<MotoTrajectoryPoint>> plan(const DirectMove& move, const ArmJoints& from,
+                                                                    const MotoRosLimits& limits) const;
+  /// A move runs in the thread, which alone uses motion_ then.
+  [[nodiscard]] core::Status standing() const;
+  void end_move();
 
   MotoRosLinkSettings settings_;
   const ArmGeometry* arm_ = nullptr;
-  MotoRosClient client_;
+  std::optional<ByteOrder> order_;
+  MotoRosClient motion_, watch_;
+  std::atomic<bool> moving_ = false, stop_asked_ = false;
+  core::Status moved_;  ///< of the last move; to be read when moving_ is false
+  std::jthread mover_;
 };
 
 }  // namespace pickcell::robot

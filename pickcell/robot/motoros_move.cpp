@@ -214,10 +214,17 @@ core::Status stopped(MotoRosClient& client, core::Error error) {
   return tl::unexpected(std::move(error));
 }
 
-core::Status send(MotoRosClient& client, const MotoTrajectoryPoint& point, core::Seat& seat) {
+core::Status go_on(const std::function<bool()>& stop_asked) {
+  if (!stop_asked || !stop_asked()) return {};
+  return core::failure(ErrorCode::refused, "robot", "a stop was asked for", "order the move again");
+}
+
+core::Status send(MotoRosClient& client, const MotoTrajectoryPoint& point, core::Seat& seat,
+                  const std::function<bool()>& stop_asked) {
   // A point waits until the one before is cut: at most as long as the queue is, and then some.
   const core::TimePoint deadline = seat.now() + kArrival;
   for (;;) {
+    if (auto on = go_on(stop_asked); !on) return on;
     auto taken = client.send_point(point);
     if (!taken) return core::forward(taken);
     if (*taken == MotoRosClient::Taken::yes) return {};
@@ -228,9 +235,11 @@ core::Status send(MotoRosClient& client, const MotoTrajectoryPoint& point, core:
   }
 }
 
-core::Status arrive(MotoRosClient& client, const ArmJoints& target, core::TimePoint deadline, core::Seat& seat) {
+core::Status arrive(MotoRosClient& client, const ArmJoints& target, core::TimePoint deadline, core::Seat& seat,
+                    const std::function<bool()>& stop_asked) {
   constexpr double kThere_rad = 1e-3;
   for (;;) {
+    if (auto on = go_on(stop_asked); !on) return on;
     auto state = client.read_state();
     if (!state) return core::forward(state);
     if (auto fine = check_state(state->status); !fine) return fine;
@@ -248,7 +257,7 @@ core::Status arrive(MotoRosClient& client, const ArmJoints& target, core::TimePo
 }  // namespace
 
 core::Status run_trajectory(MotoRosClient& client, const std::vector<MotoTrajectoryPoint>& points,
-                            const MotoRosLimits& limits, core::Seat& seat) {
+                            const MotoRosLimits& limits, core::Seat& seat, const std::function<bool()>& stop_asked) {
   if (auto safe = check_trajectory(points, limits); !safe) return safe;
   auto state = client.read_state();
   if (!state) return core::forward(state);
@@ -265,9 +274,9 @@ core::Status run_trajectory(MotoRosClient& client, const std::vector<MotoTraject
   }
   const double duration_s = static_cast<double>(points.back().time_s);
   for (const MotoTrajectoryPoint& p : points)
-    if (auto sent = send(client, p, seat); !sent) return stopped(client, std::move(sent.error()));
+    if (auto sent = send(client, p, seat, stop_asked); !sent) return stopped(client, std::move(sent.error()));
   const core::TimePoint deadline = seat.now() + core::duration_s(duration_s) + kArrival;
-  if (auto there = arrive(client, arm_joints(points.back().position), deadline, seat); !there)
+  if (auto there = arrive(client, arm_joints(points.back().position), deadline, seat, stop_asked); !there)
     return stopped(client, std::move(there.error()));
   return client.stop_trajectory_mode();
 }

@@ -3,6 +3,7 @@
 /// For commissioning; picks go through the taught job. Source: docs/yaskawa-protocols.md 3.2.
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -41,8 +42,10 @@ struct MotoRosLimits {
 /// Checks, looks whether the arm stands at the start, starts the trajectory mode, sends the points (again while the
 /// controller is busy), waits for the end, leaves the trajectory mode. Sleeps on the seat between repeats. Any failure
 /// after the first point ends in a stop command and an error; no point is ever sent again that may have been taken.
+/// stop_asked is looked at between messages (at most 25 ms apart); it may be empty.
 [[nodiscard]] core::Status run_trajectory(MotoRosClient& client, const std::vector<MotoTrajectoryPoint>& points,
-                                          const MotoRosLimits& limits, core::Seat& seat);
+                                          const MotoRosLimits& limits, core::Seat& seat,
+                                          const std::function<bool()>& stop_asked = {});
 
 /// The first six joints.
 [[nodiscard]] ArmJoints arm_joints(const MotoJoints& joints);

@@ -301,13 +301,31 @@ TEST_P(ClientAndController, TheLinkAgreesWithTheOneOfTcp80) {
   down.speed = 100;
   down.target.z_mm = -15;
   const double z_m = controller_->T_base_flange().translation_m().z();
-  const auto moved = link.move(down);
-  ASSERT_TRUE(moved) << moved.error().line();
+  const auto ended = [&] {
+    for (;;) {
+      const auto state = link.read_status();
+      if (!state || !state->running) return state;
+    }
+  };
+  ASSERT_TRUE(link.move(down));
+  EXPECT_EQ(link.move(down).error().code, core::ErrorCode::refused) << "one at a time";
+  const auto rest = ended();
+  ASSERT_TRUE(rest) << rest.error().line();
   EXPECT_NEAR(controller_->T_base_flange().translation_m().z(), z_m - 0.015, 2e-5);
   const auto pose = link.read_position(0);
   ASSERT_TRUE(pose);
   EXPECT_NEAR(pose->z_mm, (z_m - 0.015) * 1e3, 0.05);
   EXPECT_NEAR(std::abs(pose->rx_deg), 180, 0.01);
+  down.speed = 10;
+  down.target.z_mm = -60;
+  ASSERT_TRUE(link.move(down));
+  while (!link.read_status()->running || client_->read_state()->status.in_motion != 1) {
+  }
+  const auto held = link.hold(true);
+  ASSERT_TRUE(held) << held.error().line();
+  const sim::Joints stopped = controller_->copy_of_state().q;
+  seat_->sleep_for(std::chrono::milliseconds(60));
+  EXPECT_EQ(controller_->copy_of_state().q, stopped);
   down.speed = 300;
   EXPECT_EQ(link.move(down).error().code, core::ErrorCode::safety);
   robot::DirectMove far;
