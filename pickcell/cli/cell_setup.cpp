@@ -51,7 +51,9 @@ core::Result<RobotAddress> parse_link(const CellFile& file) {
   const std::string where = file.cell.file.string() + ": 'robot.link'";
   auto address = parse_robot_link(file.cell.robot.link, where);
   if (!address) return address;
-  if (auto possible = open_controller_link(*address, where); !possible) return core::forward(possible);
+  if (address->protocol == RobotProtocol::motoros)
+    return failure(ErrorCode::usage, where, "MotoROS has no variables and no jobs, which picking needs",
+                   "use tcp80:// or hses://");
   return address;
 }
 

@@ -25,8 +25,8 @@ using core::failure;
 struct Options {
   std::string file, scenario;
   std::optional<std::string> bind, model, controller, banner;
-  std::optional<int> tcp80_port, hses_port;
-  std::optional<std::string> motoros_port, motoros_endian;
+  std::optional<int> tcp80_port, hses_port, motoros_port;
+  std::optional<std::string> motoros_endian;
   bool camera = false, no_camera = false;
 };
 
@@ -38,15 +38,13 @@ struct Setup {
 
 /// What real clients need to see the OK line and the result apart.
 constexpr double kSegmentPause_s = 0.02;
-constexpr int kRealPort = 80, kRealHsesPort = 10040;
+constexpr int kRealPort = 80, kRealHsesPort = 10040, kRealMotoRosPort = 50240;
 
 core::Status refuse_missing_doors(const Options& o) {
   const auto missing = [](const std::string& option, const std::string& what) {
     return failure(ErrorCode::usage, option, what + " is not part of this version",
-                   "leave the option out: TCP 80 and HSES are there");
+                   "leave the option out: TCP 80, HSES and MotoROS are there");
   };
-  if (o.motoros_port) return missing("--motoros-port", "the MotoROS door");
-  if (o.motoros_endian) return missing("--motoros-endian", "the MotoROS door");
   if (o.camera) return missing("--camera", "the GigE Vision camera");
   return {};
 }
@@ -57,6 +55,12 @@ core::Result<sim::ArmModel> arm_of(const std::string& name) {
   return *model;
 }
 
+core::Result<robot::ByteOrder> order_of(const std::string& name) {
+  if (name == "little") return robot::ByteOrder::little;
+  if (name == "big") return robot::ByteOrder::big;
+  return failure(ErrorCode::usage, "motoros_endian", "no byte order '" + name + "'", "little or big");
+}
+
 core::Status read_file(const std::string& path, Setup& setup) {
   auto config = core::Config::load(path);
   if (!config) return core::forward(config);
@@ -64,6 +68,12 @@ core::Status read_file(const std::string& path, Setup& setup) {
   c.bind = config->string_or("bind", c.bind);
   c.tcp80_port = static_cast<int>(config->integer_or("tcp80_port", c.tcp80_port));
   c.hses_port = static_cast<int>(config->integer_or("hses_port", c.hses_port));
+  c.motoros_port = static_cast<int>(config->integer_or("motoros_port", *c.motoros_port));
+  if (config->has("motoros_endian")) {
+    auto order = order_of(config->string("motoros_endian"));
+    if (!order) return core::forward(order);
+    c.motoros_order = *order;
+  }
   c.type = config->string_or("controller", c.type);
   c.banner = config->string_or("banner", c.banner);
   c.segment_pause_s = config->number_or("segment_pause_s", c.segment_pause_s);
@@ -103,6 +113,9 @@ core::Status check(const sim::ControllerSettings& c) {
   if (c.hses_port < 0 || c.hses_port > 65534)
     return failure(ErrorCode::usage, "--hses-port", std::to_string(c.hses_port) + " is no UDP port with a next one",
                    "0 (any free ones) to 65534");
+  if (*c.motoros_port < 0 || *c.motoros_port > 65533)
+    return failure(ErrorCode::usage, "--motoros-port",
+                   std::to_string(*c.motoros_port) + " and the next two are no ports", "0 (any free three) to 65533");
   if (!sim::controller_type(c.type))
     return failure(ErrorCode::usage, "--controller", "no controller '" + c.type + "'",
                    "one of nx100, dx100, fs100, dx200, yrc1000");
@@ -120,6 +133,7 @@ core::Result<Setup> setup_of(const Options& o) {
   sim::ControllerSettings& c = setup.controller;
   c.tcp80_port = kRealPort;
   c.hses_port = kRealHsesPort;
+  c.motoros_port = kRealMotoRosPort;
   c.segment_pause_s = kSegmentPause_s;
   c.jobs = sim::shipped_jobs();
   if (!o.file.empty())
@@ -128,7 +142,15 @@ core::Result<Setup> setup_of(const Options& o) {
     if (auto status = read_scenario(o.scenario, setup); !status) return core::forward(status);
   c.bind = o.bind.value_or(c.bind);
   c.tcp80_port = o.tcp80_port.value_or(c.tcp80_port);
+  // Who lets the system choose the first port does not care for the others either.
+  if (o.tcp80_port == 0) c.hses_port = *(c.motoros_port = 0);
   c.hses_port = o.hses_port.value_or(c.hses_port);
+  c.motoros_port = o.motoros_port.value_or(*c.motoros_port);
+  if (o.motoros_endian) {
+    auto order = order_of(*o.motoros_endian);
+    if (!order) return core::forward(order);
+    c.motoros_order = *order;
+  }
   c.type = o.controller.value_or(c.type);
   c.banner = o.banner.value_or(c.banner);
   if (o.model) {
@@ -172,7 +194,8 @@ core::Result<int> run(const Options& options, Io& io) {
   (*controller)->follow(std::move(setup->scenario));
   io.err << "pickcell: tcp80: listening on " << setup->controller.bind << ":" << (*controller)->tcp80_port()
          << "\npickcell: hses: listening on " << setup->controller.bind << ":" << (*controller)->hses_port()
-         << ", files on the next port" << std::endl;
+         << ", files on the next port\npickcell: motoros: listening on " << setup->controller.bind << ":"
+         << (*controller)->motoros_port() << ", state and I/O on the next two" << std::endl;
   io.out << "ready" << std::endl;
   stop.wait();
   return 0;
@@ -185,8 +208,9 @@ Runner add(CLI::App& app) {
   app.add_option("--tcp80-port", o->tcp80_port, "Ethernet Server port (80; 0: any free one, named on stderr)");
   app.add_option("--hses-port", o->hses_port,
                  "High Speed Ethernet Server, UDP, files on the next (10040; 0: any free ones, named on stderr)");
-  app.add_option("--motoros-port", o->motoros_port, "not part of this version: refused");
-  app.add_option("--motoros-endian", o->motoros_endian, "not part of this version: refused");
+  app.add_option("--motoros-port", o->motoros_port,
+                 "MotoROS motion port, state and I/O on the next two (50240; 0: any free, named on stderr)");
+  app.add_option("--motoros-endian", o->motoros_endian, "little or big (the controller's own: fs100 big, else little)");
   app.add_option("--model", o->model, "gp7, gp8 or motomini (gp7)");
   app.add_option("--controller", o->controller, "nx100, dx100, fs100, dx200 or yrc1000 (yrc1000)");
   app.add_option("--banner", o->banner, "NX, DX or YR (the controller's own)");

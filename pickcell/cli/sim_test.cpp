@@ -99,8 +99,8 @@ TEST(Sim, StopsOnInterruptToo) {
 
 TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
   for (const auto& options : std::vector<std::vector<std::string>>{{"--hses-port", "65535"},
-                                                                   {"--motoros-port", "50240"},
-                                                                   {"--motoros-endian", "big"},
+                                                                   {"--motoros-port", "65534"},
+                                                                   {"--motoros-endian", "middle"},
                                                                    {"--camera"},
                                                                    {"--model", "ur5"},
                                                                    {"--controller", "krc4"},

@@ -17,6 +17,18 @@ Tcp80Settings door(const ControllerSettings& settings) {
           settings.segment_pause_s};
 }
 
+/// Interpolation period and byte order of the controllers that speak MotoROS.
+std::unique_ptr<MotoRosDoor> motoros_door(const ControllerSettings& settings, MotoRosDoor::WithState with_state,
+                                          MotoRosDoor::Commanded commanded, AnswerFaults& faults) {
+  if (!settings.motoros_port) return nullptr;
+  const bool fs100 = settings.type == "fs100";
+  MotoRosDoorSettings door{settings.bind, *settings.motoros_port,
+                           settings.motoros_order.value_or(fs100 ? robot::ByteOrder::big : robot::ByteOrder::little)};
+  MotoRosSettings motion;
+  if (fs100) motion.increment_s = 0.002;
+  return std::make_unique<MotoRosDoor>(door, motion, std::move(with_state), std::move(commanded), faults);
+}
+
 AnswerFault answer_fault(Fault fault) {
   switch (fault) {
     case Fault::twice:
@@ -57,23 +69,32 @@ Controller::Controller(const ControllerSettings& settings, core::Clock& clock, P
           answer_faults_),
       hses_(
           {settings.bind, settings.hses_port}, [this](const robot::HsesRequest& r) { return execute(r); },
-          answer_faults_) {
+          answer_faults_),
+      motoros_(motoros_door(
+          settings, [this](const auto& action) { with_scanned_state(action); },
+          [this](ControllerState& state, std::string_view command) {
+            for (const FaultEvent& event : plan_.after(command)) apply(state, event, command);
+          },
+          answer_faults_)) {
   state_.unix_us = state_.switched_on_unix_us = clock.unix_us();
   if (!(tick_s_ > 0)) throw std::invalid_argument("a tick must be longer than 0 s");
 }
 
 core::Status Controller::open_doors() {
   if (auto opened = tcp80_.open(); !opened) return opened;
-  if (auto opened = hses_.open(); !opened) {
+  auto opened = hses_.open();
+  if (opened && motoros_) opened = motoros_->open();
+  if (!opened) {
     tcp80_.close();
-    return opened;
+    hses_.close();
   }
-  return {};
+  return opened;
 }
 
 Controller::~Controller() {
   tcp80_.close();
   hses_.close();
+  if (motoros_) motoros_->close();
   stopping_ = true;
   if (life_.joinable()) {
     seat_->interrupt();
@@ -122,6 +143,7 @@ void Controller::tick() {
     for (const FaultEvent& event : plan_.due(core::seconds(clock_.now() - plan_start_), state_.move.has_value()))
       apply(state_, event, {});
     run_tick(state_, tick_s_);
+    if (motoros_) motoros_->tick(state_, tick_s_);
     events = take_events(state_);
   }
   deliver(events);
@@ -158,6 +180,14 @@ HsesServer::Executed Controller::execute(const robot::HsesRequest& request) {
   }
   deliver(events);
   return done;
+}
+
+void Controller::with_scanned_state(const std::function<void(ControllerState&)>& action) {
+  const GeneralContacts inputs = scan_inputs();
+  with_state([&](ControllerState& state) {
+    state.inputs = inputs;
+    action(state);
+  });
 }
 
 void Controller::apply(ControllerState& state, const FaultEvent& event, std::string_view command) {
@@ -221,6 +251,7 @@ void Controller::inject(const FaultEvent& event) {
 void Controller::kill() {
   tcp80_.close();
   hses_.close();
+  if (motoros_) motoros_->close();
   with_state([this](ControllerState& state) {
     state.lose_power();
     files_ = {};

@@ -16,6 +16,7 @@
 #include "pickcell/sim/fault_plan.hpp"
 #include "pickcell/sim/hses_files.hpp"
 #include "pickcell/sim/hses_server.hpp"
+#include "pickcell/sim/motoros_door.hpp"
 #include "pickcell/sim/plant.hpp"
 #include "pickcell/sim/tcp80_server.hpp"
 
@@ -38,6 +39,8 @@ class Controller {
   [[nodiscard]] int tcp80_port() const { return tcp80_.port(); }
   /// Of robot control over UDP; files are on the next one.
   [[nodiscard]] int hses_port() const { return hses_.port(); }
+  /// Of MotoROS' motion; 0 without MotoROS.
+  [[nodiscard]] int motoros_port() const { return motoros_ ? motoros_->port() : 0; }
   /// Where the mounted tool is now.
   [[nodiscard]] ToolPose T_base_tool() const;
   [[nodiscard]] FlangePose T_base_flange() const;
@@ -64,6 +67,8 @@ class Controller {
   Tcp80Answer execute(std::string_view command, std::string_view operands);
   HsesServer::Executed execute(const robot::HsesRequest& request);
   [[nodiscard]] core::Status open_doors();
+  /// For a door that looks at the state itself: an action under the lock, inputs scanned, the plant told.
+  void with_scanned_state(const std::function<void(ControllerState&)>& action);
   void apply(ControllerState& state, const FaultEvent& event, std::string_view command);
   /// What the state has noted for the plant, delivered without the lock.
   struct ForPlant {
@@ -89,6 +94,7 @@ class Controller {
   AnswerFaults answer_faults_;
   Tcp80Server tcp80_;
   HsesServer hses_;
+  std::unique_ptr<MotoRosDoor> motoros_;
   std::jthread life_;
 };
 

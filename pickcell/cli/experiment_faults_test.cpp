@@ -1,0 +1,38 @@
+// The fault soak in its short form: the long one is `pickcell experiment faults`.
+
+#include "pickcell/cli/experiment_faults_soak.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace pickcell::cli {
+namespace {
+
+TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
+  FaultSoakOptions options;
+  options.picks = 200;
+  options.seed = 20261125;
+  options.answer_timeout = std::chrono::milliseconds(100);  // also under a sanitizer
+  options.folder = std::filesystem::path(::testing::TempDir()) / ("pickcell_soak_" + std::to_string(getpid()));
+  const auto report = run_fault_soak(options);
+  ASSERT_TRUE(report) << report.error().line();
+  EXPECT_THAT(report->findings, ::testing::IsEmpty());
+  EXPECT_EQ(report->executed_twice, 0);
+  EXPECT_EQ(report->lost, 0);
+  EXPECT_EQ(report->forbidden_motions, 0);
+  EXPECT_EQ(report->stops_explained, report->stops);
+  EXPECT_EQ(report->parts, 200);
+  EXPECT_EQ(report->done + report->refused + report->unknown, 200);
+  // It was no walk in the park.
+  EXPECT_GT(report->stops, 30);
+  EXPECT_GT(report->pc_starts, 10);
+  EXPECT_GT(report->unknown, 10);
+  EXPECT_GT(report->withdrawn, 5);
+  EXPECT_GT(report->outside_refused, 0);
+  for (const int n : report->injected) EXPECT_GT(n, 0);
+  std::filesystem::remove_all(options.folder);
+}
+
+}  // namespace
+}  // namespace pickcell::cli
