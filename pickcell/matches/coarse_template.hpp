@@ -14,10 +14,11 @@ namespace pickcell::matches {
 struct CoarseTile {
   int scale_index = 0;
   int first_angle = 0;
-  std::vector<std::int16_t> dx;  ///< cells from the anchor's cell, per tap
+  std::vector<std::int16_t> dx;  ///< cells from the anchor's cell, per tap (a cell and its right neighbour)
   std::vector<std::int16_t> dy;
-  std::vector<std::int16_t> weights;  ///< eight per tap, see FourTemplates
-  float norm[4] = {};                 ///< 1 / (127 sum |weight|): the score of a perfect edge picture is 1
+  std::vector<std::int8_t> weights;  ///< 16 per tap, see FourTemplates
+  std::int32_t bias[4] = {};
+  float norm[4] = {};  ///< 1 / (127 sum |weight|): the score of a perfect edge picture is 1
   /// A position x sees at least the asked-for share of the template when -left <= x <= width - 1 - right (same for y).
   int left = 0, right = 0, top = 0, bottom = 0;
 };
