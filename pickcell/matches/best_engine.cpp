@@ -93,12 +93,14 @@ std::vector<CoarseCandidate> BestEngine::candidates(const BestModel& model, cons
   request.candidates = count;
   if (options.max_matches > 1) request.per_location = 4;
   request.threads = static_cast<int>(scratch_.size());
+  const double start_ms = thread_cpu_ms();
   const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
   std::vector<CoarseCandidate> found = coarse_.run(top, templates, request, budget);
   StageReport report;
   report.stage = "coarse";
   report.population = coarse_.peaks();
   report.survivors = static_cast<std::int64_t>(found.size());
+  report.ms = thread_cpu_ms() - start_ms;
   result.stages.push_back(report);
   return found;
 }
@@ -113,17 +115,20 @@ Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const 
   down.window = pass.window;
   down.floor = options.min_score.value_or(model.model->learnt.suggested_min_score);
   down.threads = static_cast<int>(scratch_.size());
-  down.sure_ncc = settings_.accept_ncc;
-  down.sure_edge = settings_.accept_edge;
+  down.sure = acceptance();
   const int from = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
   Followed out = follow(candidates, model, from, scene_, down, budget, scratch_);
   std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
   return out;
 }
 
-bool BestEngine::sure(const Followed& followed, const SearchOptions& options) const {
-  return options.max_matches == 1 && !followed.found.empty() && followed.found[0].ncc >= settings_.accept_ncc &&
-         followed.found[0].edge >= settings_.accept_edge;
+Acceptance BestEngine::acceptance() const {
+  return {settings_.accept_ncc, settings_.accept_edge, settings_.accept_score, settings_.accept_margin};
+}
+
+bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOptions& options) const {
+  return options.max_matches == 1 && !f.found.empty() &&
+         acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
 void BestEngine::prepare_thorough(BestModel& model) const {
@@ -150,9 +155,9 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     const std::span<const CoarseCandidate> first = several ? list : list.first(std::min(few, list.size()));
     const PassSettings& pass = several ? settings_.wide : settings_.quick;
     all = descend(first, model, model.quick, pass, options, budget, result);
-    if (several || settings_.effort == Effort::quick || sure(all, options) || budget.spent()) return all;
+    if (several || settings_.effort == Effort::quick || sure(all, model, options) || budget.spent()) return all;
     merge(descend(list.subspan(first.size()), model, model.quick, settings_.wide, options, budget, result), model, all);
-    if (sure(all, options) || budget.spent()) return all;
+    if (sure(all, model, options) || budget.spent()) return all;
   }
   prepare_thorough(model);
   const std::vector<CoarseCandidate> found =

@@ -48,7 +48,8 @@ class BestEngine final : public Engine {
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
                                  const SearchOptions& options, WorkBudget& budget, FindResult& result);
-  [[nodiscard]] bool sure(const Followed& followed, const SearchOptions& options) const;
+  [[nodiscard]] Acceptance acceptance() const;
+  [[nodiscard]] bool sure(const Followed& followed, const BestModel& model, const SearchOptions& options) const;
   [[nodiscard]] Followed search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result);
 
   BestSettings settings_;

@@ -135,6 +135,7 @@ const RejectReason* Selection::fault(const Entry& e) const {
 }
 
 void Selection::finish(FindResult& result) {
+  const double start_ms = thread_cpu_ms();
   std::vector<Entry> passed;
   std::vector<Entry*> contenders;
   for (Entry& e : entries_)
@@ -165,6 +166,12 @@ void Selection::finish(FindResult& result) {
     }
   }
   for (const Entry& e : kept) result.matches.push_back(describe(e));
+  StageReport report;
+  report.stage = "selection";
+  report.population = static_cast<std::int64_t>(entries_.size());
+  report.survivors = static_cast<std::int64_t>(kept.size());
+  report.ms = thread_cpu_ms() - start_ms;
+  result.stages.push_back(report);
   if (!options_.explain) return;
   std::stable_sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
     return a.stage != b.stage ? a.stage > b.stage : order(a.entry, b.entry);
