@@ -13,6 +13,7 @@ namespace {
 constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
 constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
+constexpr int kWorkRounds = 3;
 constexpr double kSquareRms = 0.816;     // rms radius of a square over its half side
 
 /// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
@@ -156,19 +157,9 @@ std::vector<double> scale_steps(Range scale, double rim, double step) {
   return out;
 }
 
-}  // namespace
-
-double choose_factor(const TemplatePyramid& t, const CoarseDetail& d) {
-  const double w = t.width();
-  const double h = t.height();
-  double f = std::min(std::sqrt(w * h) / d.side_cells, std::min(w, h) / d.short_cells);
-  if (t.masked) f = std::min(f, std::sqrt(t.area_px) / d.mask_cells);
-  return std::max(1.0, f);
-}
-
-CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& d, Range scale, double factor) {
   CoarseTemplates out;
-  out.factor = choose_factor(t, d);
+  out.factor = factor;
   const int level = std::min(field_level(out.factor), static_cast<int>(t.levels.size()) - 1);
   const double rim = rim_cells(t, out.factor);
   out.angles = 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
@@ -195,6 +186,32 @@ CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDet
       set_limits(tile, planes, out.reach, d.min_visible);
       out.tiles.push_back(std::move(tile));
     }
+  }
+  return out;
+}
+
+}  // namespace
+
+double choose_factor(const TemplatePyramid& t, const CoarseDetail& d) {
+  const double w = t.width();
+  const double h = t.height();
+  double f = std::min(std::sqrt(w * h) / d.side_cells, std::min(w, h) / d.short_cells);
+  if (t.masked) f = std::min(f, std::sqrt(t.area_px) / d.mask_cells);
+  return std::max(1.0, f);
+}
+
+double CoarseTemplates::work() const {
+  double taps = 0;
+  for (const CoarseTile& tile : tiles) taps += static_cast<double>(tile.dx.size());
+  return 4 * taps * 640 * 480 / (factor * factor) * 1e-6;
+}
+
+CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+  double factor = choose_factor(t, d);
+  CoarseTemplates out = build_with_factor(t, d, scale, factor);
+  for (int round = 0; round < kWorkRounds && out.work() > d.most_work; ++round) {
+    factor *= std::pow(1.05 * out.work() / d.most_work, 0.2);
+    out = build_with_factor(t, d, scale, factor);
   }
   return out;
 }

@@ -30,6 +30,9 @@ struct CoarseTemplates {
   int reach = 0;                  ///< furthest tap from the anchor, cells
   std::vector<CoarseTile> tiles;  ///< tile s * (angles / 4) + j: scale s, angles 4j..4j+3
   int side = 0;                   ///< sqrt of the mask's area in cells, about
+
+  /// Million dot products of four bytes for a picture of 640 x 480.
+  [[nodiscard]] double work() const;
 };
 
 /// How fine the top level is: pixels per cell is the smallest of these, at least 1.
@@ -40,6 +43,9 @@ struct CoarseDetail {
   double angle_step = 1.2;  ///< cells at the rim of a square of the same rms radius
   double scale_step = 1.8;  ///< cells at that rim
   double min_visible = 0.7;
+  /// Limit on the work in a picture of 640 x 480, million dot products of four bytes: where it would be more (long
+  /// parts, thin ones), the cells are made larger. The work goes with about the fifth power of their number.
+  double most_work = 150;
 };
 
 [[nodiscard]] double choose_factor(const TemplatePyramid& t, const CoarseDetail& detail);
