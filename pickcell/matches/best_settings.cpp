@@ -35,12 +35,9 @@ void add_pass(const std::string& prefix, PassSettings& p, std::vector<Number>& t
 
 std::vector<Number> numbers(BestSettings& s) {
   std::vector<Number> table{
-      {"accept_ncc", -1, 2, &s.accept_ncc},
-      {"accept_edge", -1, 2, &s.accept_edge},
-      {"accept_score", -1, 2, &s.accept_score},
-      {"accept_margin", 0, 2, &s.accept_margin},
-      {"min_visible", 0.3, 1, &s.min_visible},
-      {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
+      {"accept_ncc", -1, 2, &s.accept_ncc},     {"accept_edge", -1, 2, &s.accept_edge},
+      {"accept_score", -1, 2, &s.accept_score}, {"accept_margin", 0, 2, &s.accept_margin},
+      {"min_visible", 0.3, 1, &s.min_visible},  {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
   };
   add_detail("quick", s.quick, table);
   add_detail("thorough", s.thorough, table);

@@ -14,7 +14,7 @@ constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
 constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
 constexpr int kWorkRounds = 3;
-constexpr double kSquareRms = 0.816;     // rms radius of a square over its half side
+constexpr double kSquareRms = 0.816;  // rms radius of a square over its half side
 
 /// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
 struct Sample {

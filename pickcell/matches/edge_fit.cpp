@@ -18,9 +18,9 @@ int observe(image::ImageView image, const ContourPoints& points, const LevelMap&
   for (auto* column : {&s.distance, &s.found, &s.weight, &s.nx, &s.ny, &s.turn, &s.growth, &s.residual, &s.sorted})
     column->resize(room);
   find_edges(image, points.columns(), m, reach_px, smooth, s.distance.data());
-  const int n = make_lines(
-      points.columns(), m,
-      {s.nx.data(), s.ny.data(), s.turn.data(), s.growth.data(), s.distance.data(), s.found.data()});
+  const int n =
+      make_lines(points.columns(), m,
+                 {s.nx.data(), s.ny.data(), s.turn.data(), s.growth.data(), s.distance.data(), s.found.data()});
   s.weight = s.found;
   return n;
 }

@@ -70,8 +70,7 @@ class Follower {
     }
   }
 
-  void report(int level, const std::vector<Hypothesis>& list, std::size_t begin, std::size_t end,
-              double ms) {
+  void report(int level, const std::vector<Hypothesis>& list, std::size_t begin, std::size_t end, double ms) {
     StageReport r;
     r.stage = "level " + std::to_string(level);
     r.population = static_cast<std::int64_t>(list.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -104,6 +105,10 @@ void Selection::resolve_angle(Entry& e) {
 bool Selection::contender(const Entry& e) const {
   if (e.h.score + (options_.max_matches > 1 ? kMayRiseSeveral : kMayRise) < limit_of(e)) return false;
   if (options_.max_matches > 1) return true;
+  const double best = std::accumulate(entries_.begin(), entries_.end(), -1.0, [&](double b, const Entry& o) {
+    return o.model == e.model ? std::max(b, o.h.score) : b;
+  });
+  if (e.h.score < best - kMayRise) return false;
   const auto better_ones = std::count_if(entries_.begin(), entries_.end(),
                                          [&](const Entry& o) { return o.model == e.model && o.h.score > e.h.score; });
   return better_ones < static_cast<std::ptrdiff_t>(kContenders);
