@@ -2,6 +2,7 @@
 /// What there is in a template to find it by.
 
 #include "pickcell/image/image.hpp"
+#include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
 
@@ -15,5 +16,9 @@ struct PartFeatures {
 
 /// mask: same size, >= 128 is part; empty: everything.
 [[nodiscard]] PartFeatures measure_features(image::ImageView picture, image::ImageView mask);
+
+/// Length of all contours over the part's side, times the entropy (bits) of their directions in eight sectors: about 3
+/// for two parallel edges, 10 for a plain outline, 30 and more for lettering, coins, insects.
+[[nodiscard]] double contour_variety(const TemplatePyramid& part);
 
 }  // namespace pickcell::matches
