@@ -8,6 +8,7 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kScaleSlack = 0.05;
+constexpr double kFixedScaleSlack = 0.02;  // the scale is known: what is left is tilt and the lens
 constexpr double kStepLimit_px = 2.0;  // of the rim, pixels of the level
 constexpr double kRunAway_px = 4.0;    // pixels of the level
 constexpr int kFinalSteps = 8;
@@ -66,7 +67,8 @@ class Descent {
   }
 
   [[nodiscard]] Similarity in_range(Similarity s) const {
-    s.scale = std::clamp(s.scale, scale_.lo * (1 - kScaleSlack), scale_.hi * (1 + kScaleSlack));
+    const double slack = scale_.lo == scale_.hi ? kFixedScaleSlack : kScaleSlack;
+    s.scale = std::clamp(s.scale, scale_.lo * (1 - slack), scale_.hi * (1 + slack));
     return s;
   }
 
