@@ -13,6 +13,8 @@ namespace pickcell::matches {
 namespace {
 
 constexpr int kMostMatches = 200;
+constexpr double kForget = 0.995;       // of the finishing time, per call
+constexpr double kMostFinishing = 0.6;  // of the budget
 
 core::Status check(const SearchOptions& o) {
   const auto bad = [](const std::string& what, const std::string& why, const std::string& remedy) {
@@ -166,6 +168,16 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
   return all;
 }
 
+std::optional<double> BestEngine::searching_ms(const SearchOptions& options) const {
+  if (!options.budget_ms) return {};
+  return *options.budget_ms - std::min(finishing_ms_, kMostFinishing * *options.budget_ms);
+}
+
+void BestEngine::note_finishing(const SearchOptions& options, double used_ms) {
+  const double now_ms = std::max(0.0, used_ms - *searching_ms(options));
+  finishing_ms_ = std::max(now_ms, kForget * finishing_ms_);
+}
+
 core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span<const Model* const> models,
                                           const SearchOptions& options) {
   if (models.empty() || std::find(models.begin(), models.end(), nullptr) != models.end())
@@ -175,9 +187,10 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
   if (auto ok = check_roi(options, scene_.width(), scene_.height()); !ok) return core::forward(ok);
   scratch_.resize(static_cast<std::size_t>(thread_count(options.threads)));
 
-  WorkBudget budget(options.budget_ms, cpu_ms_);
+  const double start_ms = options.budget_ms ? cpu_ms_() : 0;
+  WorkBudget budget(searching_ms(options), cpu_ms_);
   FindResult result;
-  Selection selection(scene_, options, settings_, scratch_[0]);
+  Selection selection(scene_, options, settings_, scratch_[0], budget);
   for (std::size_t i = 0; i < models.size(); ++i) {
     BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
     if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
@@ -186,6 +199,7 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
   }
   selection.finish(result);
   result.complete = !budget.spent();
+  if (!result.complete) note_finishing(options, cpu_ms_() - start_ms);
   return result;
 }
 

@@ -110,7 +110,7 @@ class Follower {
     const LevelModel& model = model_.levels[0];
     parallel_for(static_cast<int>(list.size()), request_.threads, [&](int i, int worker) {
       Hypothesis& h = list[static_cast<std::size_t>(i)];
-      if (h.score >= least && (i == 0 || !budget_.spent()))
+      if (h.score >= least && !budget_.spent())
         h = polish(scene, model, h, model_.scale, scratch_[static_cast<std::size_t>(worker)]);
     });
     sort_best_first(list);

@@ -56,8 +56,8 @@ bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
 }  // namespace
 
 Selection::Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings,
-                     RefineScratch& scratch)
-    : scene_(scene), options_(options), settings_(settings), scratch_(scratch) {}
+                     RefineScratch& scratch, WorkBudget& budget)
+    : scene_(scene), options_(options), settings_(settings), scratch_(scratch), budget_(budget) {}
 
 Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) const {
   return {&model, model_index, h, model.outline(h.place), {}};
@@ -85,11 +85,11 @@ void Selection::resolve_angle(Entry& e) {
   for (double offset : e.model->model->learnt.ambiguous_deg) {
     Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
-    if (angle_allowed(s.angle_rad * kDegPerRad, allowed))
+    if (angle_allowed(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
       tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
   if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
-    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_))
+    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_, budget_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
   const auto best =
       std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
@@ -145,7 +145,8 @@ void Selection::finish(FindResult& result) {
   std::vector<Entry*> contenders;
   for (Entry& e : entries_)
     if (contender(e)) contenders.push_back(&e);
-  for (Entry* e : contenders) resolve_angle(*e);
+  for (Entry* e : contenders)
+    if (!budget_.spent()) resolve_angle(*e);
   for (Entry& e : entries_) {
     if (const RejectReason* reason = fault(e))
       turned_.push_back({e, *reason, Stage::final});
