@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kMostMatches = 200;
 constexpr double kForget = 0.995;       // of the finishing time, per call
+constexpr double kSpread = 1.15;        // the next call may take a little longer
 constexpr double kMostFinishing = 0.6;  // of the budget
 
 core::Status check(const SearchOptions& o) {
@@ -174,7 +175,7 @@ std::optional<double> BestEngine::searching_ms(const SearchOptions& options) con
 }
 
 void BestEngine::note_finishing(const SearchOptions& options, double used_ms) {
-  const double now_ms = std::max(0.0, used_ms - *searching_ms(options));
+  const double now_ms = kSpread * std::max(0.0, used_ms - *searching_ms(options));
   finishing_ms_ = std::max(now_ms, kForget * finishing_ms_);
 }
 

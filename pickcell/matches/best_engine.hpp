@@ -63,7 +63,7 @@ class BestEngine final : public Engine {
   /// What a search still costs after it has been told to stop (the best candidate is followed to its end): taken off
   /// the budget in advance. The worst of the calls so far, slowly forgotten.
   double finishing_ms_ = kFirstFinishing_ms;
-  static constexpr double kFirstFinishing_ms = 0.8;
+  static constexpr double kFirstFinishing_ms = 1.2;
 };
 
 }  // namespace pickcell::matches
