@@ -18,6 +18,7 @@ constexpr double kLeastContrast = 2;  // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
+constexpr double kAboutAsGood = 0.05;     // of the score, between turns about one spot
 constexpr double kMayRise = 0.15;         // of the score, by another angle
 constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
 constexpr std::size_t kContenders = 3;    // of a single search
@@ -51,6 +52,19 @@ bool better(const Hypothesis& a, int model_a, const Hypothesis& b, int model_b) 
 
 bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
   return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < 0.12 * side_px;
+}
+
+/// The best-scored, or of the turns about one spot that score about as well the one whose inside agrees best: the
+/// outline of a round part says nothing about its angle, and fine teeth say only where within a tooth.
+std::vector<Hypothesis>::const_iterator best_turn(const std::vector<Hypothesis>& tries, const Similarity& spot,
+                                                  double side_px) {
+  auto best =
+      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  const double least = best->score - kAboutAsGood;
+  if (!same_spot(best->place, spot, side_px)) return best;
+  for (auto t = tries.begin(); t != tries.end(); ++t)
+    if (t->score >= least && t->ncc > best->ncc && same_spot(t->place, best->place, side_px)) best = t;
+  return best;
 }
 
 }  // namespace
@@ -91,8 +105,7 @@ void Selection::resolve_angle(Entry& e) {
   if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
     for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_, budget_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
-  const auto best =
-      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  const auto best = best_turn(tries, e.h.place, e.model->side_px);
   e.h = *best;
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
