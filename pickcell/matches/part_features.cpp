@@ -14,7 +14,7 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kCoarseSidePx = 24;
-constexpr double kVarietySidePx = 48;
+constexpr double kContourSidePx = 48;
 
 struct Moments {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
@@ -89,10 +89,10 @@ double direction_ratio(image::ImageView picture, image::ImageView mask) {
 
 }  // namespace
 
-double contour_variety(const TemplatePyramid& t) {
+double direction_bits(const TemplatePyramid& t) {
   int level = 0;
   double side = std::sqrt(t.area_px);
-  for (; side > kVarietySidePx && level + 1 < static_cast<int>(t.levels.size()); side /= 2) ++level;
+  for (; side > kContourSidePx && level + 1 < static_cast<int>(t.levels.size()); side /= 2) ++level;
   const ContourPoints contours = choose_contour_points(t, level, std::numeric_limits<int>::max());
   std::array<double, 8> sector{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(contours.count); ++i) {
@@ -102,7 +102,7 @@ double contour_variety(const TemplatePyramid& t) {
   double entropy = 0;
   for (const double n : sector)
     if (n > 0) entropy -= n / contours.count * std::log2(n / contours.count);
-  return contours.count / side * entropy;
+  return entropy;
 }
 
 PartFeatures measure_features(image::ImageView picture, image::ImageView mask) {

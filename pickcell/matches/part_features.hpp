@@ -17,8 +17,7 @@ struct PartFeatures {
 /// mask: same size, >= 128 is part; empty: everything.
 [[nodiscard]] PartFeatures measure_features(image::ImageView picture, image::ImageView mask);
 
-/// Length of all contours over the part's side, times the entropy (bits) of their directions in eight sectors: about 3
-/// for two parallel edges, 10 for a plain outline, 30 and more for lettering, coins, insects.
-[[nodiscard]] double contour_variety(const TemplatePyramid& part);
+/// Entropy of the directions of all contours in eight sectors of half a turn: 1 for two parallel edges, 3 for a disc.
+[[nodiscard]] double direction_bits(const TemplatePyramid& part);
 
 }  // namespace pickcell::matches
