@@ -13,6 +13,9 @@ namespace pickcell::matches {
 namespace {
 
 constexpr int kMostMatches = 200;
+constexpr double kForget = 0.995;       // of the finishing time, per call
+constexpr double kSpread = 1.15;        // the next call may take a little longer
+constexpr double kMostFinishing = 0.6;  // of the budget
 
 core::Status check(const SearchOptions& o) {
   const auto bad = [](const std::string& what, const std::string& why, const std::string& remedy) {
@@ -93,12 +96,14 @@ std::vector<CoarseCandidate> BestEngine::candidates(const BestModel& model, cons
   request.candidates = count;
   if (options.max_matches > 1) request.per_location = 4;
   request.threads = static_cast<int>(scratch_.size());
+  const double start_ms = thread_cpu_ms();
   const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
   std::vector<CoarseCandidate> found = coarse_.run(top, templates, request, budget);
   StageReport report;
   report.stage = "coarse";
   report.population = coarse_.peaks();
   report.survivors = static_cast<std::int64_t>(found.size());
+  report.ms = thread_cpu_ms() - start_ms;
   result.stages.push_back(report);
   return found;
 }
@@ -113,17 +118,20 @@ Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const 
   down.window = pass.window;
   down.floor = options.min_score.value_or(model.model->learnt.suggested_min_score);
   down.threads = static_cast<int>(scratch_.size());
-  down.sure_ncc = settings_.accept_ncc;
-  down.sure_edge = settings_.accept_edge;
+  down.sure = acceptance();
   const int from = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
   Followed out = follow(candidates, model, from, scene_, down, budget, scratch_);
   std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
   return out;
 }
 
-bool BestEngine::sure(const Followed& followed, const SearchOptions& options) const {
-  return options.max_matches == 1 && !followed.found.empty() && followed.found[0].ncc >= settings_.accept_ncc &&
-         followed.found[0].edge >= settings_.accept_edge;
+Acceptance BestEngine::acceptance() const {
+  return {settings_.accept_ncc, settings_.accept_edge, settings_.accept_score, settings_.accept_margin};
+}
+
+bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOptions& options) const {
+  return options.max_matches == 1 && !f.found.empty() &&
+         acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
 void BestEngine::prepare_thorough(BestModel& model) const {
@@ -150,15 +158,25 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     const std::span<const CoarseCandidate> first = several ? list : list.first(std::min(few, list.size()));
     const PassSettings& pass = several ? settings_.wide : settings_.quick;
     all = descend(first, model, model.quick, pass, options, budget, result);
-    if (several || settings_.effort == Effort::quick || sure(all, options) || budget.spent()) return all;
+    if (several || settings_.effort == Effort::quick || sure(all, model, options) || budget.spent()) return all;
     merge(descend(list.subspan(first.size()), model, model.quick, settings_.wide, options, budget, result), model, all);
-    if (sure(all, options) || budget.spent()) return all;
+    if (sure(all, model, options) || budget.spent()) return all;
   }
   prepare_thorough(model);
   const std::vector<CoarseCandidate> found =
       candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result);
   merge(descend(found, model, model.thorough, settings_.thorough, options, budget, result), model, all);
   return all;
+}
+
+std::optional<double> BestEngine::searching_ms(const SearchOptions& options) const {
+  if (!options.budget_ms) return {};
+  return *options.budget_ms - std::min(finishing_ms_, kMostFinishing * *options.budget_ms);
+}
+
+void BestEngine::note_finishing(const SearchOptions& options, double used_ms) {
+  const double now_ms = kSpread * std::max(0.0, used_ms - *searching_ms(options));
+  finishing_ms_ = std::max(now_ms, kForget * finishing_ms_);
 }
 
 core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span<const Model* const> models,
@@ -170,9 +188,10 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
   if (auto ok = check_roi(options, scene_.width(), scene_.height()); !ok) return core::forward(ok);
   scratch_.resize(static_cast<std::size_t>(thread_count(options.threads)));
 
-  WorkBudget budget(options.budget_ms, cpu_ms_);
+  const double start_ms = options.budget_ms ? cpu_ms_() : 0;
+  WorkBudget budget(searching_ms(options), cpu_ms_);
   FindResult result;
-  Selection selection(scene_, options, settings_, scratch_[0]);
+  Selection selection(scene_, options, settings_, scratch_[0], budget);
   for (std::size_t i = 0; i < models.size(); ++i) {
     BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
     if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
@@ -181,6 +200,7 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
   }
   selection.finish(result);
   result.complete = !budget.spent();
+  if (!result.complete) note_finishing(options, cpu_ms_() - start_ms);
   return result;
 }
 

@@ -48,7 +48,10 @@ class BestEngine final : public Engine {
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
                                  const SearchOptions& options, WorkBudget& budget, FindResult& result);
-  [[nodiscard]] bool sure(const Followed& followed, const SearchOptions& options) const;
+  [[nodiscard]] std::optional<double> searching_ms(const SearchOptions& options) const;
+  void note_finishing(const SearchOptions& options, double used_ms);
+  [[nodiscard]] Acceptance acceptance() const;
+  [[nodiscard]] bool sure(const Followed& followed, const BestModel& model, const SearchOptions& options) const;
   [[nodiscard]] Followed search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result);
 
   BestSettings settings_;
@@ -57,6 +60,10 @@ class BestEngine final : public Engine {
   BestScene scene_;
   CoarseSearch coarse_;
   std::vector<RefineScratch> scratch_;
+  /// What a search still costs after it has been told to stop (the best candidate is followed to its end): taken off
+  /// the budget in advance. The worst of the calls so far, slowly forgotten.
+  double finishing_ms_ = kFirstFinishing_ms;
+  static constexpr double kFirstFinishing_ms = 1.2;
 };
 
 }  // namespace pickcell::matches

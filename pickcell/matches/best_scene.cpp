@@ -7,18 +7,18 @@ namespace pickcell::matches {
 void BestScene::start(const image::Pyramid& pyramid) {
   pyramid_ = &pyramid;
   const auto n = static_cast<std::size_t>(pyramid.levels());
-  if (fields_.size() < n) fields_.resize(n);
-  have_field_.assign(n, false);
+  while (fields_.size() < n) fields_.push_back(std::make_unique<LazyField>());
+  started_.assign(n, 0);
   coarse_used_ = 0;
 }
 
 SceneLevel BestScene::level(int l) {
   const auto i = static_cast<std::size_t>(l);
-  if (!have_field_[i]) {
-    orientation_field(pyramid_->level(l), fields_[i]);
-    have_field_[i] = true;
+  if (!started_[i]) {
+    fields_[i]->start(pyramid_->level(l));
+    started_[i] = 1;
   }
-  return {pyramid_->level(l), &fields_[i], l};
+  return {pyramid_->level(l), fields_[i].get(), l};
 }
 
 const CoarseScene& BestScene::coarse(double factor, int margin) {

@@ -6,7 +6,7 @@
 
 #include "pickcell/image/pyramid.hpp"
 #include "pickcell/matches/coarse_scene.hpp"
-#include "pickcell/matches/orientation_field.hpp"
+#include "pickcell/matches/lazy_field.hpp"
 #include "pickcell/matches/refine.hpp"
 
 namespace pickcell::matches {
@@ -20,15 +20,15 @@ class BestScene {
   [[nodiscard]] int width() const { return pyramid_->level(0).width(); }
   [[nodiscard]] int height() const { return pyramid_->level(0).height(); }
 
-  /// Computes the orientation field of a level when first asked for.
+  /// Its orientation field is computed where it is looked at.
   [[nodiscard]] SceneLevel level(int l);
   /// The top level for a factor, with at least this margin; computed when first asked for.
   [[nodiscard]] const CoarseScene& coarse(double factor, int margin);
 
  private:
   const image::Pyramid* pyramid_ = nullptr;
-  std::vector<OrientationField> fields_;
-  std::vector<bool> have_field_;
+  std::vector<std::unique_ptr<LazyField>> fields_;
+  std::vector<char> started_;
   std::vector<std::unique_ptr<CoarseScene>> coarse_;  ///< the first coarse_used_ belong to this picture
   std::size_t coarse_used_ = 0;
 };

@@ -23,6 +23,7 @@ void add_detail(const std::string& prefix, PassSettings& p, std::vector<Number>&
   table.push_back({prefix + ".mask_cells", 2, 100, &p.detail.mask_cells});
   table.push_back({prefix + ".angle_step", 0.2, 4, &p.detail.angle_step});
   table.push_back({prefix + ".scale_step", 0.2, 8, &p.detail.scale_step});
+  table.push_back({prefix + ".most_work", 1, 1e6, &p.detail.most_work});
 }
 
 void add_pass(const std::string& prefix, PassSettings& p, std::vector<Number>& table) {
@@ -34,10 +35,9 @@ void add_pass(const std::string& prefix, PassSettings& p, std::vector<Number>& t
 
 std::vector<Number> numbers(BestSettings& s) {
   std::vector<Number> table{
-      {"accept_ncc", -1, 2, &s.accept_ncc},
-      {"accept_edge", -1, 2, &s.accept_edge},
-      {"min_visible", 0.3, 1, &s.min_visible},
-      {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
+      {"accept_ncc", -1, 2, &s.accept_ncc},     {"accept_edge", -1, 2, &s.accept_edge},
+      {"accept_score", -1, 2, &s.accept_score}, {"accept_margin", 0, 2, &s.accept_margin},
+      {"min_visible", 0.3, 1, &s.min_visible},  {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
   };
   add_detail("quick", s.quick, table);
   add_detail("thorough", s.thorough, table);
@@ -107,6 +107,7 @@ BestSettings::BestSettings() {
   thorough.detail.side_cells = 20;
   thorough.detail.short_cells = 10;
   thorough.detail.mask_cells = 11;
+  thorough.detail.most_work = 500;
   thorough.candidates = 128;
   thorough.keep_top = 48;
   thorough.keep_mid = 16;

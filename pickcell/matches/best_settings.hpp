@@ -26,7 +26,9 @@ struct BestSettings {
   PassSettings thorough;              ///< a finer coarse search
   Effort effort = Effort::automatic;  ///< automatic: the next pass only where the one before is not sure
   double accept_ncc = 0.8;            ///< a pass's best match is believed from here on ...
-  double accept_edge = 0.5;           ///< ... and here
+  double accept_edge = 0.5;           ///< ... and here; or
+  double accept_score = 0.6;          ///< from this score on, when nothing else in the picture ...
+  double accept_margin = 0.12;        ///< ... comes this near to it
   double min_visible = 0.7;           ///< share of the part that must lie inside the picture
   double ambiguous_margin = 0.02;     ///< another angle this close in score makes the angle ambiguous
 

@@ -46,13 +46,18 @@ float pooled(const float* source, const Cell& c) {
   return v;
 }
 
-/// sums: over the cells' rows, per source pixel.
-void store_row(Sums& sums, const std::vector<Cell>& columns, float per_area, std::int16_t* out) {
+constexpr std::uint32_t kZeroCell = 0x80808080;
+
+/// sums: over the cells' rows, per source pixel. out[-1] is the cell before the first.
+void store_row(Sums& sums, const std::vector<Cell>& columns, float per_area, std::uint32_t* out) {
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(128 + std::lrintf(v)); };
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const Cell& c = columns[i];
     const float k = 127.f * per_area / (pooled(sums.part(2), c) * per_area + kEdgeGrey * kEdgeGrey);
-    out[2 * i] = static_cast<std::int16_t>(std::lrintf(k * pooled(sums.part(0), c)));
-    out[2 * i + 1] = static_cast<std::int16_t>(std::lrintf(k * pooled(sums.part(1), c)));
+    const std::uint32_t own = byte(k * pooled(sums.part(0), c)) | byte(k * pooled(sums.part(1), c)) << 8;
+    std::uint32_t* const cell = out + i;
+    cell[0] = own | (kZeroCell & 0xffff0000U);
+    cell[-1] = (cell[-1] & 0xffffU) | own << 16;
   }
 }
 
@@ -69,8 +74,8 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
   out.height = static_cast<int>(source.height() / ratio);
   out.margin = margin;
   // One row and one block more than needed: the kernel rounds runs of positions up.
-  out.pairs.resize(2 * (out.width + 2 * margin + kKernelBlock), out.height + 2 * margin + 1);
-  out.pairs.fill(0);
+  out.cells.resize(out.width + 2 * margin + kKernelBlock, out.height + 2 * margin + 1);
+  out.cells.fill(kZeroCell);
 
   const std::vector<Cell> columns = cells(source.width(), ratio, out.width);
   const std::vector<Cell> rows = cells(source.height(), ratio, out.height);
@@ -80,7 +85,7 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
     std::fill(sums.values.begin(), sums.values.end(), 0.f);
     for (int v = c.first; v <= c.last; ++v)
       add_tensor_row(source, v, v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f, sums.row());
-    store_row(sums, columns, static_cast<float>(1 / (ratio * ratio)), out.pairs.row(y + margin) + 2 * margin);
+    store_row(sums, columns, static_cast<float>(1 / (ratio * ratio)), out.cells.row(y + margin) + margin);
   }
 }
 

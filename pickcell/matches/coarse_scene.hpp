@@ -7,18 +7,19 @@
 
 namespace pickcell::matches {
 
-/// Cells of factor x factor pixels; cell (X, Y) has its centre at ((X + 0.5) factor - 0.5, ...). Values +-127 are +-1;
-/// zeros all around, so that a template may hang over the border.
+/// Cells of factor x factor pixels; cell (X, Y) has its centre at ((X + 0.5) factor - 0.5, ...). Every cell carries its
+/// own field and its right neighbour's, as the kernel wants them: bytes c2, s2, c2, s2, each 128 + 127 v; zeros (128)
+/// all around, so that a template may hang over the border.
 struct CoarseScene {
   double factor = 0;
   int width = 0;
   int height = 0;
   int margin = 0;
-  image::Plane<std::int16_t> pairs;  ///< (c2, s2) interleaved, with the margin
+  image::Plane<std::uint32_t> cells;  ///< with the margin
 
-  /// The pair of a cell, which may lie up to margin cells outside.
-  [[nodiscard]] const std::int16_t* at(int x, int y) const { return pairs.row(y + margin) + 2 * (x + margin); }
-  [[nodiscard]] int stride_pairs() const { return static_cast<int>(pairs.stride() / 2); }
+  /// A cell, which may lie up to margin cells outside.
+  [[nodiscard]] const std::uint32_t* at(int x, int y) const { return cells.row(y + margin) + (x + margin); }
+  [[nodiscard]] int stride() const { return static_cast<int>(cells.stride()); }
 };
 
 /// The pyramid level that the field is taken from: two to four pixels per cell, or level 0.

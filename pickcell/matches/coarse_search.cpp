@@ -30,12 +30,15 @@ bool tile_wanted(const CoarseTemplates& t, const CoarseTile& tile, Range range) 
 /// The tile's taps as offsets in the scene's plane.
 std::vector<std::int32_t> offsets_of(const CoarseTile& tile, const CoarseScene& scene) {
   std::vector<std::int32_t> out(tile.dx.size());
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = tile.dy[k] * scene.stride_pairs() + tile.dx[k];
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = tile.dy[k] * scene.stride() + tile.dx[k];
   return out;
 }
 
 FourTemplates templates_of(const CoarseTile& tile, const std::vector<std::int32_t>& offsets) {
-  return {offsets, tile.weights, {tile.norm[0], tile.norm[1], tile.norm[2], tile.norm[3]}};
+  return {offsets,
+          tile.weights,
+          {tile.bias[0], tile.bias[1], tile.bias[2], tile.bias[3]},
+          {tile.norm[0], tile.norm[1], tile.norm[2], tile.norm[3]}};
 }
 
 struct Span {
@@ -63,13 +66,15 @@ void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplate
       positions(scene.height, tile.top, tile.bottom, t.factor, box ? &box->y0 : nullptr, box ? &box->y1 : nullptr);
   const std::vector<std::int32_t> offsets = offsets_of(tile, scene);
   const FourTemplates four = templates_of(tile, offsets);
+  if (ys.lo < ys.hi && xs.lo < xs.hi)
+    best_of_four({scene.at(xs.lo, ys.lo), scene.stride(), xs.hi - xs.lo, ys.hi - ys.lo}, four,
+                 map.score.row(ys.lo) + xs.lo, map.score.stride());
   for (int y = 0; y < scene.height; ++y) {
     float* row = map.score.row(y);
     if (y < ys.lo || y >= ys.hi || xs.lo >= xs.hi) {
       std::fill(row, row + scene.width, kNothing);
       continue;
     }
-    best_of_four(scene.at(xs.lo, y), four, xs.hi - xs.lo, row + xs.lo);
     std::fill(row, row + xs.lo, kNothing);
     std::fill(row + xs.hi, row + scene.width, kNothing);
     map.row_best[static_cast<std::size_t>(y)] = *std::max_element(row + xs.lo, row + xs.hi);

@@ -13,7 +13,8 @@ namespace {
 constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
 constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
-constexpr double kSquareRms = 0.816;     // rms radius of a square over its half side
+constexpr int kWorkRounds = 3;
+constexpr double kSquareRms = 0.816;  // rms radius of a square over its half side
 
 /// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
 struct Sample {
@@ -82,7 +83,7 @@ std::vector<std::int16_t> turned(const std::vector<Sample>& samples, double angl
 }
 
 /// Value below which the given share of the weight lies.
-int weighted_quantile(const std::vector<std::int16_t>& values, const std::vector<float>& weights, double share) {
+int weighted_quantile(const std::vector<int>& values, const std::vector<float>& weights, double share) {
   std::vector<std::size_t> order(values.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return values[p] < values[q]; });
@@ -94,36 +95,54 @@ int weighted_quantile(const std::vector<std::int16_t>& values, const std::vector
   return 0;
 }
 
-void set_limits(CoarseTile& tile, double min_visible) {
-  std::vector<float> magnitude;
-  for (std::size_t k = 0; k < tile.dx.size(); ++k) {
-    float m = 0;
-    for (std::size_t q = 8 * k; q < 8 * k + 8; ++q) m += std::abs(static_cast<float>(tile.weights[q]));
-    magnitude.push_back(m);
-  }
-  tile.left = weighted_quantile(tile.dx, magnitude, 1 - min_visible);
-  tile.right = weighted_quantile(tile.dx, magnitude, min_visible);
-  tile.top = weighted_quantile(tile.dy, magnitude, 1 - min_visible);
-  tile.bottom = weighted_quantile(tile.dy, magnitude, min_visible);
+using FourPlanes = std::vector<std::int16_t>[4];
+
+/// The sum over the four templates of |weight| at a cell.
+float magnitude_at(const FourPlanes& planes, std::size_t i) {
+  float m = 0;
+  for (const auto& p : planes) m += std::abs(static_cast<float>(p[2 * i])) + std::abs(static_cast<float>(p[2 * i + 1]));
+  return m;
 }
 
-CoarseTile make_tile(const std::vector<std::int16_t> (&planes)[4], int reach) {
+void set_limits(CoarseTile& tile, const FourPlanes& planes, int reach, double min_visible) {
+  const int side = 2 * reach + 1;
+  std::vector<int> xs, ys;
+  std::vector<float> magnitude;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      if (const float m = magnitude_at(planes, static_cast<std::size_t>(y * side + x)); m > 0) {
+        xs.push_back(x - reach);
+        ys.push_back(y - reach);
+        magnitude.push_back(m);
+      }
+  tile.left = weighted_quantile(xs, magnitude, 1 - min_visible);
+  tile.right = weighted_quantile(xs, magnitude, min_visible);
+  tile.top = weighted_quantile(ys, magnitude, 1 - min_visible);
+  tile.bottom = weighted_quantile(ys, magnitude, min_visible);
+}
+
+/// Walks each row from the left: a cell with weight and its right neighbour make a tap.
+CoarseTile make_tile(const FourPlanes& planes, int reach) {
   CoarseTile tile;
   const int side = 2 * reach + 1;
   double sum[4] = {};
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
-      const auto i = 2 * static_cast<std::size_t>(y * side + x);
-      bool any = false;
-      for (const auto& p : planes) any = any || p[i] != 0 || p[i + 1] != 0;
-      if (!any) continue;
+      const auto i = static_cast<std::size_t>(y * side + x);
+      if (magnitude_at(planes, i) == 0) continue;
       tile.dx.push_back(static_cast<std::int16_t>(x - reach));
       tile.dy.push_back(static_cast<std::int16_t>(y - reach));
-      for (int a = 0; a < 4; ++a) {
-        tile.weights.push_back(planes[a][i]);
-        tile.weights.push_back(planes[a][i + 1]);
-        sum[a] += std::hypot(planes[a][i], planes[a][i + 1]);
-      }
+      const std::size_t cells = x + 1 < side ? 2 : 1;
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t q = 0; q < 2; ++q) {
+          const int c = q < cells ? planes[a][2 * (i + q)] : 0;
+          const int s = q < cells ? planes[a][2 * (i + q) + 1] : 0;
+          tile.weights.push_back(static_cast<std::int8_t>(c));
+          tile.weights.push_back(static_cast<std::int8_t>(s));
+          tile.bias[a] -= 128 * (c + s);
+          sum[a] += std::hypot(c, s);
+        }
+      ++x;  // the neighbour is done
     }
   for (int a = 0; a < 4; ++a) tile.norm[a] = sum[a] > 0 ? static_cast<float>(1 / (127 * sum[a])) : 0.f;
   return tile;
@@ -138,19 +157,9 @@ std::vector<double> scale_steps(Range scale, double rim, double step) {
   return out;
 }
 
-}  // namespace
-
-double choose_factor(const TemplatePyramid& t, const CoarseDetail& d) {
-  const double w = t.width();
-  const double h = t.height();
-  double f = std::min(std::sqrt(w * h) / d.side_cells, std::min(w, h) / d.short_cells);
-  if (t.masked) f = std::min(f, std::sqrt(t.area_px) / d.mask_cells);
-  return std::max(1.0, f);
-}
-
-CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& d, Range scale, double factor) {
   CoarseTemplates out;
-  out.factor = choose_factor(t, d);
+  out.factor = factor;
   const int level = std::min(field_level(out.factor), static_cast<int>(t.levels.size()) - 1);
   const double rim = rim_cells(t, out.factor);
   out.angles = 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
@@ -174,9 +183,35 @@ CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDet
       CoarseTile tile = make_tile(planes, out.reach);
       tile.scale_index = static_cast<int>(s);
       tile.first_angle = a0;
-      set_limits(tile, d.min_visible);
+      set_limits(tile, planes, out.reach, d.min_visible);
       out.tiles.push_back(std::move(tile));
     }
+  }
+  return out;
+}
+
+}  // namespace
+
+double choose_factor(const TemplatePyramid& t, const CoarseDetail& d) {
+  const double w = t.width();
+  const double h = t.height();
+  double f = std::min(std::sqrt(w * h) / d.side_cells, std::min(w, h) / d.short_cells);
+  if (t.masked) f = std::min(f, std::sqrt(t.area_px) / d.mask_cells);
+  return std::max(1.0, f);
+}
+
+double CoarseTemplates::work() const {
+  double taps = 0;
+  for (const CoarseTile& tile : tiles) taps += static_cast<double>(tile.dx.size());
+  return 4 * taps * 640 * 480 / (factor * factor) * 1e-6;
+}
+
+CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+  double factor = choose_factor(t, d);
+  CoarseTemplates out = build_with_factor(t, d, scale, factor);
+  for (int round = 0; round < kWorkRounds && out.work() > d.most_work; ++round) {
+    factor *= std::pow(1.05 * out.work() / d.most_work, 0.2);
+    out = build_with_factor(t, d, scale, factor);
   }
   return out;
 }

@@ -14,10 +14,11 @@ namespace pickcell::matches {
 struct CoarseTile {
   int scale_index = 0;
   int first_angle = 0;
-  std::vector<std::int16_t> dx;  ///< cells from the anchor's cell, per tap
+  std::vector<std::int16_t> dx;  ///< cells from the anchor's cell, per tap (a cell and its right neighbour)
   std::vector<std::int16_t> dy;
-  std::vector<std::int16_t> weights;  ///< eight per tap, see FourTemplates
-  float norm[4] = {};                 ///< 1 / (127 sum |weight|): the score of a perfect edge picture is 1
+  std::vector<std::int8_t> weights;  ///< 16 per tap, see FourTemplates
+  std::int32_t bias[4] = {};
+  float norm[4] = {};  ///< 1 / (127 sum |weight|): the score of a perfect edge picture is 1
   /// A position x sees at least the asked-for share of the template when -left <= x <= width - 1 - right (same for y).
   int left = 0, right = 0, top = 0, bottom = 0;
 };
@@ -29,6 +30,9 @@ struct CoarseTemplates {
   int reach = 0;                  ///< furthest tap from the anchor, cells
   std::vector<CoarseTile> tiles;  ///< tile s * (angles / 4) + j: scale s, angles 4j..4j+3
   int side = 0;                   ///< sqrt of the mask's area in cells, about
+
+  /// Million dot products of four bytes for a picture of 640 x 480.
+  [[nodiscard]] double work() const;
 };
 
 /// How fine the top level is: pixels per cell is the smallest of these, at least 1.
@@ -39,6 +43,9 @@ struct CoarseDetail {
   double angle_step = 1.2;  ///< cells at the rim of a square of the same rms radius
   double scale_step = 1.8;  ///< cells at that rim
   double min_visible = 0.7;
+  /// Limit on the work in a picture of 640 x 480, million dot products of four bytes: where it would be more (long
+  /// parts, thin ones), the cells are made larger. The work goes with about the fifth power of their number.
+  double most_work = 150;
 };
 
 [[nodiscard]] double choose_factor(const TemplatePyramid& t, const CoarseDetail& detail);

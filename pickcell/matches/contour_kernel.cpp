@@ -109,6 +109,66 @@ void find_edges_impl(image::ImageView picture, const ContourColumns& c, const Le
   }
 }
 
+int make_lines_impl(const ContourColumns& c, const LevelMap& m, const LineOutput& out) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const VF a = hn::Set(d, m.a), b = hn::Set(d, m.b), unit = hn::Set(d, 1 / std::sqrt(m.a * m.a + m.b * m.b));
+  const VF one = hn::Set(d, 1.f), n = hn::Set(d, static_cast<float>(c.count)), none = hn::Set(d, kNoEdge);
+  VF found = hn::Zero(d);
+  for (int i = 0; i < c.count; i += lanes) {
+    const VF x = hn::LoadU(d, c.x + i), y = hn::LoadU(d, c.y + i);
+    const VF px = hn::LoadU(d, c.nx + i), py = hn::LoadU(d, c.ny + i);
+    const VF nx = hn::Mul(unit, hn::MulAdd(a, px, hn::Mul(b, py)));
+    const VF ny = hn::Mul(unit, hn::NegMulAdd(b, px, hn::Mul(a, py)));
+    const VF rx = hn::MulAdd(a, x, hn::Mul(b, y));
+    const VF ry = hn::NegMulAdd(b, x, hn::Mul(a, y));
+    const VF distance = hn::LoadU(d, out.distance + i);
+    const auto seen = hn::And(hn::Lt(distance, none), hn::Lt(hn::Iota(d, static_cast<float>(i)), n));
+    const VF weight = hn::IfThenElseZero(seen, one);
+    found = hn::Add(found, weight);
+    hn::StoreU(nx, d, out.nx + i);
+    hn::StoreU(ny, d, out.ny + i);
+    hn::StoreU(hn::MulSub(nx, ry, hn::Mul(ny, rx)), d, out.turn + i);
+    hn::StoreU(hn::MulAdd(nx, rx, hn::Mul(ny, ry)), d, out.growth + i);
+    hn::StoreU(hn::IfThenElseZero(seen, distance), d, out.distance + i);
+    hn::StoreU(weight, d, out.found + i);
+  }
+  return static_cast<int>(hn::GetLane(hn::SumOfLanes(d, found)));
+}
+
+void sum_lines_impl(const LineColumns& c, float* sums) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  VF product[10], right[4];
+  for (VF& v : product) v = hn::Zero(d);
+  for (VF& v : right) v = hn::Zero(d);
+  for (int i = 0; i < c.count; i += lanes) {
+    const VF row[4] = {hn::LoadU(d, c.nx + i), hn::LoadU(d, c.ny + i), hn::LoadU(d, c.turn + i),
+                       hn::LoadU(d, c.growth + i)};
+    const VF w = hn::LoadU(d, c.weight + i);
+    const VF distance = hn::LoadU(d, c.distance + i);
+    int k = 0;
+    for (int p = 0; p < 4; ++p) {
+      const VF wp = hn::Mul(w, row[p]);
+      right[p] = hn::MulAdd(wp, distance, right[p]);
+      for (int q = p; q < 4; ++q, ++k) product[k] = hn::MulAdd(wp, row[q], product[k]);
+    }
+  }
+  for (int k = 0; k < 10; ++k) sums[k] = hn::GetLane(hn::SumOfLanes(d, product[k]));
+  for (int k = 0; k < 4; ++k) sums[10 + k] = hn::GetLane(hn::SumOfLanes(d, right[k]));
+}
+
+void line_residuals_impl(const LineColumns& c, const float* movement, float* residual) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const float* const columns[4] = {c.nx, c.ny, c.turn, c.growth};
+  for (int i = 0; i < c.count; i += lanes) {
+    VF r = hn::LoadU(d, c.distance + i);
+    for (int k = 0; k < 4; ++k) r = hn::NegMulAdd(hn::LoadU(d, columns[k] + i), hn::Set(d, movement[k]), r);
+    hn::StoreU(hn::Abs(r), d, residual + i);
+  }
+}
+
 }  // namespace pickcell::matches::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -116,10 +176,23 @@ HWY_AFTER_NAMESPACE();
 namespace pickcell::matches {
 
 HWY_EXPORT(find_edges_impl);
+HWY_EXPORT(make_lines_impl);
+HWY_EXPORT(sum_lines_impl);
+HWY_EXPORT(line_residuals_impl);
 
 void find_edges(image::ImageView picture, const ContourColumns& points, const LevelMap& map, float reach_px,
                 bool smooth, float* distance) {
   HWY_DYNAMIC_DISPATCH(find_edges_impl)(picture, points, map, reach_px, smooth, distance);
+}
+
+int make_lines(const ContourColumns& points, const LevelMap& map, const LineOutput& out) {
+  return HWY_DYNAMIC_DISPATCH(make_lines_impl)(points, map, out);
+}
+
+void sum_lines(const LineColumns& lines, float (&sums)[14]) { HWY_DYNAMIC_DISPATCH(sum_lines_impl)(lines, sums); }
+
+void line_residuals(const LineColumns& lines, const float (&movement)[4], float* residual) {
+  HWY_DYNAMIC_DISPATCH(line_residuals_impl)(lines, movement, residual);
 }
 
 }  // namespace pickcell::matches

@@ -27,4 +27,34 @@ constexpr float kNoEdge = 1e9f;
 void find_edges(image::ImageView picture, const ContourColumns& points, const LevelMap& map, float reach_px,
                 bool smooth, float* distance);
 
+/// What was seen along the normals, as columns of one linear fit: distance ~ nx dx + ny dy + turn da + growth ds. Every
+/// array has room up to a multiple of kPointBlock; weight 0 where there is nothing.
+struct LineColumns {
+  const float* nx;
+  const float* ny;
+  const float* turn;
+  const float* growth;
+  const float* distance;
+  const float* weight;
+  int count;
+};
+
+/// The columns of the points at a place, in the scene; found 1 where an edge was seen (then distance stays), else found
+/// and distance 0. Writes whole blocks. Returns how many were found.
+struct LineOutput {
+  float* nx;
+  float* ny;
+  float* turn;
+  float* growth;
+  float* distance;  ///< in: of find_edges
+  float* found;
+};
+[[nodiscard]] int make_lines(const ContourColumns& points, const LevelMap& map, const LineOutput& out);
+
+/// sums[0..9]: weighted products of (nx, ny, turn, growth), a <= b in row order; sums[10..13]: with the distance.
+void sum_lines(const LineColumns& lines, float (&sums)[14]);
+
+/// residual[i] = |distance - fit of the movement (dx, dy, turn, growth)|. Writes whole blocks.
+void line_residuals(const LineColumns& lines, const float (&movement)[4], float* residual);
+
 }  // namespace pickcell::matches

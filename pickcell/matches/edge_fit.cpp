@@ -8,37 +8,35 @@
 namespace pickcell::matches {
 namespace {
 
-constexpr std::size_t kFewestObservations = 12;
-using Observation = ContourScratch::Observation;
+constexpr int kFewestObservations = 12;
+constexpr float kLeastSpread_px = 0.08f;
 
-void observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
-             ContourScratch& scratch) {
-  scratch.distance.resize(points.x.size());
-  find_edges(image, points.columns(), m, reach_px, smooth, scratch.distance.data());
-  scratch.seen.clear();
-  const float unit = 1 / std::hypot(m.a, m.b);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
-    if (scratch.distance[i] == kNoEdge) continue;
-    scratch.seen.push_back({scratch.distance[i], 1.f, unit * (m.a * points.nx[i] + m.b * points.ny[i]),
-                            unit * (m.a * points.ny[i] - m.b * points.nx[i]), m.a * points.x[i] + m.b * points.y[i],
-                            m.a * points.y[i] - m.b * points.x[i]});
-  }
+/// Looks for edges from one place; the number found.
+int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
+            ContourScratch& s) {
+  const std::size_t room = points.x.size();
+  for (auto* column : {&s.distance, &s.found, &s.weight, &s.nx, &s.ny, &s.turn, &s.growth, &s.residual, &s.sorted})
+    column->resize(room);
+  find_edges(image, points.columns(), m, reach_px, smooth, s.distance.data());
+  const int n =
+      make_lines(points.columns(), m,
+                 {s.nx.data(), s.ny.data(), s.turn.data(), s.growth.data(), s.distance.data(), s.found.data()});
+  s.weight = s.found;
+  return n;
 }
 
 /// Movement in the scene: shift (dx, dy), turn (radians, counter-clockwise on the screen), growth.
 using Movement = Eigen::Vector4d;
 
-/// Distance along the normal that a movement explains: derivatives.
-Movement derivative(const Observation& o) { return {o.nx, o.ny, o.nx * o.ry - o.ny * o.rx, o.nx * o.rx + o.ny * o.ry}; }
-
-std::optional<Movement> solve(const std::vector<Observation>& seen) {
-  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
-  Movement right = Movement::Zero();
-  for (const Observation& o : seen) {
-    const Movement row = derivative(o);
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b <= a; ++b) A(a, b) += static_cast<double>(o.weight) * row[a] * row[b];
-    right += static_cast<double>(o.weight) * static_cast<double>(o.distance) * row;
+std::optional<Movement> solve(const LineColumns& lines) {
+  float sums[14];
+  sum_lines(lines, sums);
+  Eigen::Matrix4d A;
+  Movement right;
+  int k = 0;
+  for (int a = 0; a < 4; ++a) {
+    for (int b = a; b < 4; ++b) A(a, b) = A(b, a) = static_cast<double>(sums[k++]);
+    right[a] = static_cast<double>(sums[10 + a]);
   }
   A.diagonal() *= 1.0005;  // round contours do not know their angle
   const Eigen::LDLT<Eigen::Matrix4d, Eigen::Lower> ldlt(A);
@@ -48,30 +46,56 @@ std::optional<Movement> solve(const std::vector<Observation>& seen) {
   return m;
 }
 
-std::optional<Movement> solve_robust(ContourScratch& scratch) {
-  constexpr int kRounds = 4;
-  for (int round = 0;; ++round) {
-    const auto m = solve(scratch.seen);
-    if (!m || round + 1 == kRounds) return m;
-    scratch.absolute.clear();
-    for (const Observation& o : scratch.seen)
-      scratch.absolute.push_back(std::abs(o.distance - static_cast<float>(derivative(o).dot(*m))));
-    std::vector<float> sorted = scratch.absolute;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const float cut = 3 * std::max(0.08f, 1.4826f * *middle);
-    for (std::size_t i = 0; i < scratch.seen.size(); ++i) {
-      const float u = 1 - scratch.absolute[i] / cut * (scratch.absolute[i] / cut);
-      scratch.seen[i].weight = u > 0 ? u * u : 0.f;
-    }
+/// Tukey's biweight with its cut at three robust standard deviations of what was found.
+void reweigh(const LineColumns& lines, const Movement& m, ContourScratch& s) {
+  const float movement[4] = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2]),
+                             static_cast<float>(m[3])};
+  line_residuals(lines, movement, s.residual.data());
+  std::size_t n = 0;
+  const auto count = static_cast<std::size_t>(lines.count);
+  for (std::size_t i = 0; i < count; ++i)
+    if (s.found[i] > 0) s.sorted[n++] = s.residual[i];
+  if (n == 0) return;
+  const auto middle = s.sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(s.sorted.begin(), middle, s.sorted.begin() + static_cast<std::ptrdiff_t>(n));
+  const float cut = 3 * std::max(kLeastSpread_px, 1.4826f * *middle);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float u = 1 - s.residual[i] / cut * (s.residual[i] / cut);
+    s.weight[i] = u > 0 ? s.found[i] * u * u : 0.f;
   }
+}
+
+std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch& s) {
+  constexpr int kRounds = 4;
+  const LineColumns lines{s.nx.data(),       s.ny.data(),     s.turn.data(), s.growth.data(),
+                          s.distance.data(), s.weight.data(), points.count};
+  for (int round = 0;; ++round) {
+    const auto m = solve(lines);
+    if (!m || round + 1 == kRounds) return m;
+    reweigh(lines, *m, s);
+  }
+}
+
+/// The pixels under the points, and their right and lower neighbours.
+void need_under(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
+  float x0 = m.x, x1 = m.x, y0 = m.y, y1 = m.y;
+  for (const float qx : {e.x_lo, e.x_hi})
+    for (const float qy : {e.y_lo, e.y_hi}) {
+      const float x = m.x + m.a * qx + m.b * qy, y = m.y - m.b * qx + m.a * qy;
+      x0 = std::min(x0, x), x1 = std::max(x1, x);
+      y0 = std::min(y0, y), y1 = std::max(y1, y);
+    }
+  const auto whole = [](float v) { return static_cast<int>(std::clamp(v, -1e6f, 1e6f)); };
+  scene.need(whole(x0) - 2, whole(y0) - 2, whole(x1) + 3, whole(y1) + 3);
 }
 
 }  // namespace
 
-double edge_score(const OrientationField& scene, const EdgePoints& e, const LevelMap& m) {
-  if (scene.width() < 4 || scene.height() < 2 || e.count == 0) return 0;
-  return static_cast<double>(sum_edges(scene.view(), e.columns(), m) * e.norm / 127.f);
+double edge_score(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
+  const image::View<std::int8_t> field = scene.view();
+  if (field.width() < 4 || field.height() < 2 || e.count == 0) return 0;
+  need_under(scene, e, m);
+  return static_cast<double>(sum_edges(field, e.columns(), m) * e.norm / 127.f);
 }
 
 std::optional<Similarity> fit_contours(image::ImageView image, int level, const ContourPoints& points,
@@ -80,9 +104,9 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
   Similarity s = start;
   float reach = search.radius_px;
   for (int i = 0; i < search.iterations; ++i, reach *= 0.7f) {
-    observe(image, points, at_level(s, level), std::max(1.5f, reach), search.smooth, scratch);
-    if (scratch.seen.size() < kFewestObservations) return {};
-    const auto m = solve_robust(scratch);
+    const int seen = observe(image, points, at_level(s, level), std::max(1.5f, reach), search.smooth, scratch);
+    if (seen < kFewestObservations) return {};
+    const auto m = solve_robust(points, scratch);
     if (!m) return {};
     s.x_px += k * (*m)[0];
     s.y_px += k * (*m)[1];

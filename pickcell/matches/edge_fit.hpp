@@ -6,24 +6,21 @@
 
 #include "pickcell/image/image.hpp"
 #include "pickcell/matches/edge_points.hpp"
-#include "pickcell/matches/orientation_field.hpp"
+#include "pickcell/matches/lazy_field.hpp"
 #include "pickcell/matches/similarity.hpp"
 
 namespace pickcell::matches {
 
 /// How well the scene's edge directions agree with the template's, weighed by the template's field: 1 for the template
 /// itself, about 0 where directions are random, negative where they are across. Points outside the picture count 0.
-[[nodiscard]] double edge_score(const OrientationField& scene, const EdgePoints& points, const LevelMap& map);
+[[nodiscard]] double edge_score(LazyField& scene, const EdgePoints& points, const LevelMap& map);
 
+/// Columns over the contour points, see LineColumns.
 struct ContourScratch {
-  struct Observation {
-    float distance, weight;
-    float nx, ny;  ///< normal in the scene
-    float rx, ry;  ///< place relative to the anchor in the scene
-  };
   std::vector<float> distance;
-  std::vector<Observation> seen;
-  std::vector<float> absolute;
+  std::vector<float> found, weight;
+  std::vector<float> nx, ny, turn, growth;
+  std::vector<float> residual, sorted;
 };
 
 struct ContourSearch {

@@ -131,6 +131,11 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
     ++out.count;
   }
   out.norm = sum > 0 ? 1 / sum : 0.f;
+  if (out.count > 0) {
+    const auto [x_lo, x_hi] = std::minmax_element(out.x.begin(), out.x.end());
+    const auto [y_lo, y_hi] = std::minmax_element(out.y.begin(), out.y.end());
+    out.x_lo = *x_lo, out.x_hi = *x_hi, out.y_lo = *y_lo, out.y_hi = *y_hi;
+  }
   pad({&out.x, &out.y, &out.c2, &out.s2});
   return out;
 }

@@ -15,7 +15,8 @@ struct EdgePoints {
   std::vector<float> x, y;
   std::vector<float> c2, s2;  ///< field, |(c2, s2)| <= 1
   int count = 0;
-  float norm = 0;  ///< 1 / sum |field|^2: the template scores 1 against itself
+  float norm = 0;                                ///< 1 / sum |field|^2: the template scores 1 against itself
+  float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (x, y)
 
   [[nodiscard]] EdgeColumns columns() const { return {x.data(), y.data(), c2.data(), s2.data(), count}; }
 };

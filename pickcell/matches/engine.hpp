@@ -39,7 +39,7 @@ struct StageReport {
   std::int64_t population = 0;  ///< candidates that entered
   std::int64_t survivors = 0;
   std::int64_t ncc_count = 0;  ///< full correlations evaluated
-  double ms = 0;
+  double ms = 0;               ///< CPU time of the calling thread
 };
 
 struct FindResult {

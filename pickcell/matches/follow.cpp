@@ -46,6 +46,7 @@ class Follower {
  private:
   /// Replaces list[begin, end) by what refinement makes of it; when the budget is spent the rest is dropped.
   void refine_all(std::vector<Hypothesis>& list, int level, bool first, std::size_t begin, std::size_t end) {
+    const double start_ms = thread_cpu_ms();
     const SceneLevel scene = scene_.level(level);
     const LevelModel& model = model_.levels[static_cast<std::size_t>(level)];
     std::vector<char> done(end - begin, 0);
@@ -61,7 +62,7 @@ class Follower {
       if (level == 0) h = settle(scene, model, h.place, model_.scale, scratch);
       done[static_cast<std::size_t>(i)] = 1;
     });
-    report(level, list, begin, end);
+    report(level, list, begin, end, thread_cpu_ms() - start_ms);
     for (std::size_t i = end; i-- > begin;) {
       if (done[i - begin]) continue;
       out_.dropped.push_back({list[i], RejectReason::budget, level == 0 ? Stage::final : Stage::fine});
@@ -69,11 +70,12 @@ class Follower {
     }
   }
 
-  void report(int level, const std::vector<Hypothesis>& list, std::size_t begin, std::size_t end) {
+  void report(int level, const std::vector<Hypothesis>& list, std::size_t begin, std::size_t end, double ms) {
     StageReport r;
     r.stage = "level " + std::to_string(level);
     r.population = static_cast<std::int64_t>(list.size());
     r.survivors = r.population;
+    r.ms = ms;
     r.ncc_count = static_cast<std::int64_t>(end - begin);
     out_.stages.push_back(r);
   }
@@ -86,7 +88,10 @@ class Follower {
     if (!request_.several && all > 1) {
       refine_all(list, 0, first, 0, 1);
       done = 1;
-      if (list[0].ncc >= request_.sure_ncc && list[0].edge >= request_.sure_edge) {
+      double rival = -1;  // the others' scores are those of level 1
+      for (std::size_t i = 1; i < all; ++i) rival = std::max(rival, list[i].score);
+      if (request_.sure.accepts(list[0], rival)) {
+        for (std::size_t i = 1; i < all; ++i) drop(list[i], RejectReason::limit);
         list.resize(1);
         polish_best(list);
         return;
@@ -105,7 +110,7 @@ class Follower {
     const LevelModel& model = model_.levels[0];
     parallel_for(static_cast<int>(list.size()), request_.threads, [&](int i, int worker) {
       Hypothesis& h = list[static_cast<std::size_t>(i)];
-      if (h.score >= least && (i == 0 || !budget_.spent()))
+      if (h.score >= least && !budget_.spent())
         h = polish(scene, model, h, model_.scale, scratch_[static_cast<std::size_t>(worker)]);
     });
     sort_best_first(list);
@@ -166,6 +171,17 @@ void sort_best_first(std::vector<Hypothesis>& list) {
     return std::tie(a.place.y_px, a.place.x_px, a.place.angle_rad, a.place.scale) <
            std::tie(b.place.y_px, b.place.x_px, b.place.angle_rad, b.place.scale);
   });
+}
+
+double Followed::rival_score(double side_px) const {
+  double best = -1;
+  const auto see = [&](const Hypothesis& h) {
+    if (!same_place(h.place, found.front().place, side_px)) best = std::max(best, h.score);
+  };
+  if (found.empty()) return best;
+  std::for_each(found.begin() + 1, found.end(), see);
+  for (const Dropped& d : dropped) see(d.hypothesis);
+  return best;
 }
 
 bool same_place(const Similarity& a, const Similarity& b, double side_px) {

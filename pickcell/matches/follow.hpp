@@ -19,6 +19,15 @@ struct Dropped {
   Stage stage = Stage::fine;
 };
 
+/// When a single search need not look further: a result good in both measures, or one that stands out.
+struct Acceptance {
+  double ncc = 2, edge = 2;        ///< both reached ...
+  double score = 2, margin = 0.1;  ///< ... or this score, and every rival lower by the margin
+  [[nodiscard]] bool accepts(const Hypothesis& best, double rival_score) const {
+    return (best.ncc >= ncc && best.edge >= edge) || (best.score >= score && best.score - rival_score >= margin);
+  }
+};
+
 struct FollowRequest {
   int keep_top = 12;
   int keep_mid = 4;
@@ -26,14 +35,17 @@ struct FollowRequest {
   double floor = -1;     ///< a result below this is of no use: dropped early, with some slack
   bool several = false;  ///< no location may push another out
   int threads = 1;
-  double sure_ncc = 2;  ///< single: a result this good ends the search (with sure_edge)
-  double sure_edge = 2;
+  Acceptance sure;  ///< single: ends the search
 };
 
 struct Followed {
   std::vector<Hypothesis> found;  ///< at level 0, best first, no two the same
   std::vector<Dropped> dropped;
   std::vector<StageReport> stages;
+
+  /// The best score of anything but the first find, at the level where it was last looked at. The first find itself
+  /// under another name (same place and angle) does not count.
+  [[nodiscard]] double rival_score(double side_px) const;
 };
 
 /// scratch: one per thread.

@@ -136,33 +136,40 @@ Neighbours neighbours(image::ImageView picture, int y) {
   return {picture.row(std::max(0, y - 1)), copy.data(), picture.row(std::min(picture.height() - 1, y + 1))};
 }
 
-/// Tensor rows smoothed along x, three at a time.
+/// Tensor rows of one part, smoothed along x, three at a time. Beyond the picture its border is repeated.
 class SmoothRows {
  public:
-  explicit SmoothRows(image::ImageView picture)
-      : picture_(picture), stride_(static_cast<std::size_t>(picture.width()) + 2 + kTensorSlack) {
-    for (auto& a : raw_) a.resize(stride_ + 1);
-    for (auto& slot : smooth_)
-      for (auto& a : slot) a.resize(stride_);
-  }
+  SmoothRows(image::ImageView picture, int x0, int x1) : picture_(picture), x0_(x0), x1_(x1) {}
+
   void compute(int y) {
-    const Neighbours n = neighbours(picture_, y);
     const int w = picture_.width();
+    const int from = std::max(0, x0_ - 1), to = std::min(w, x1_ + 1);  // what the smoothing reads
+    const std::uint8_t* row = picture_.row(y);
+    grey_[0] = row[std::max(0, from - 1)];
+    std::copy(row + from, row + to, grey_.begin() + 1);
+    grey_[static_cast<std::size_t>(to - from) + 1] = row[std::min(w - 1, to)];
+    const std::uint8_t* up = picture_.row(std::max(0, y - 1)) + from;
+    const std::uint8_t* down = picture_.row(std::min(picture_.height() - 1, y + 1)) + from;
+    const std::size_t first = from < x0_ ? 0 : 1;
+    const std::size_t end = first + static_cast<std::size_t>(to - from);
     HWY_DYNAMIC_DISPATCH(tensor_row_impl)
-    (n.up, n.padded, n.down, w, {raw_[0].data() + 1, raw_[1].data() + 1, raw_[2].data() + 1});
+    (up, grey_.data(), down, to - from, {raw_[0].data() + first, raw_[1].data() + first, raw_[2].data() + first});
     for (std::size_t q = 0; q < 3; ++q) {
-      raw_[q][0] = raw_[q][1];
-      raw_[q][static_cast<std::size_t>(w) + 1] = raw_[q][static_cast<std::size_t>(w)];
-      HWY_DYNAMIC_DISPATCH(smooth_row_impl)(raw_[q].data() + 1, w, slot(y)[q].data());
+      if (first == 1) raw_[q][0] = raw_[q][1];
+      if (to == x1_) raw_[q][end] = raw_[q][end - 1];
+      HWY_DYNAMIC_DISPATCH(smooth_row_impl)(raw_[q].data() + 1, x1_ - x0_, slot(y)[q].data());
     }
   }
-  [[nodiscard]] std::array<std::vector<float>, 3>& slot(int y) { return smooth_[static_cast<std::size_t>(y % 3)]; }
+  using Row = std::array<float, kFieldPartWidth + 2 + 2 * kTensorSlack>;
+  [[nodiscard]] std::array<Row, 3>& slot(int y) { return smooth_[static_cast<std::size_t>(y % 3)]; }
 
  private:
   image::ImageView picture_;
-  std::size_t stride_;
-  std::array<std::vector<float>, 3> raw_;
-  std::array<std::array<std::vector<float>, 3>, 3> smooth_;
+  int x0_;
+  int x1_;
+  std::array<std::uint8_t, kFieldPartWidth + 4 + kReadAhead> grey_{};
+  std::array<Row, 3> raw_{};
+  std::array<std::array<Row, 3>, 3> smooth_{};
 };
 
 }  // namespace
@@ -177,21 +184,27 @@ void add_tensor_row(image::ImageView picture, int y, float share, const TensorRo
   HWY_DYNAMIC_DISPATCH(add_tensor_row_impl)(n.up, n.padded, n.down, picture.width(), share, sums);
 }
 
-void orientation_field(image::ImageView picture, OrientationField& out) {
-  const int h = picture.height();
-  out.resize(2 * picture.width(), h);
-  if (picture.empty()) return;
-  SmoothRows rows(picture);
-  rows.compute(0);
-  if (h > 1) rows.compute(1);
-  for (int y = 0; y < h; ++y) {
-    if (y > 0 && y + 1 < h) rows.compute(y + 1);
+void orientation_field_part(image::ImageView picture, int x0, int y0, int x1, int y1, OrientationField& out) {
+  const int last = picture.height() - 1;
+  SmoothRows rows(picture, x0, x1);
+  rows.compute(std::max(0, y0 - 1));
+  if (y0 > 0) rows.compute(y0);
+  for (int y = y0; y < y1; ++y) {
+    if (y < last) rows.compute(y + 1);
     std::array<const float*, 9> nine{};
-    const int ys[3] = {std::max(0, y - 1), y, std::min(h - 1, y + 1)};
+    const int ys[3] = {std::max(0, y - 1), y, std::min(last, y + 1)};
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t q = 0; q < 3; ++q) nine[3 * k + q] = rows.slot(ys[k])[q].data();
-    HWY_DYNAMIC_DISPATCH(normalise_row_impl)(nine.data(), picture.width(), out.row(y));
+    std::array<std::int8_t, 2 * (kFieldPartWidth + kTensorSlack)> line;
+    HWY_DYNAMIC_DISPATCH(normalise_row_impl)(nine.data(), x1 - x0, line.data());
+    std::copy(line.begin(), line.begin() + 2 * (x1 - x0), out.row(y) + 2 * x0);
   }
+}
+
+void orientation_field(image::ImageView picture, OrientationField& out) {
+  out.resize(2 * picture.width(), picture.height());
+  for (int x = 0; x < picture.width(); x += kFieldPartWidth)
+    orientation_field_part(picture, x, 0, std::min(picture.width(), x + kFieldPartWidth), picture.height(), out);
 }
 
 }  // namespace pickcell::matches

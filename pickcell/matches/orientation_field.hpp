@@ -35,4 +35,8 @@ using OrientationField = image::Plane<std::int8_t>;
 /// Rounds to nearest; all SIMD targets agree within one unit. The picture must be a Plane's.
 void orientation_field(image::ImageView picture, OrientationField& out);
 
+/// The same for the pixels x0 <= x < x1, y0 <= y < y1 only, at most kFieldPartWidth wide. out has the picture's size.
+constexpr int kFieldPartWidth = 64;
+void orientation_field_part(image::ImageView picture, int x0, int y0, int x1, int y1, OrientationField& out);
+
 }  // namespace pickcell::matches

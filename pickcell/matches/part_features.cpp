@@ -1,15 +1,20 @@
 #include "pickcell/matches/part_features.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "pickcell/image/pyramid.hpp"
+#include "pickcell/matches/edge_points.hpp"
 
 namespace pickcell::matches {
 
 namespace {
 
 constexpr double kCoarseSidePx = 24;
+constexpr double kContourSidePx = 48;
 
 struct Moments {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
@@ -83,6 +88,22 @@ double direction_ratio(image::ImageView picture, image::ImageView mask) {
 }
 
 }  // namespace
+
+double direction_bits(const TemplatePyramid& t) {
+  int level = 0;
+  double side = std::sqrt(t.area_px);
+  for (; side > kContourSidePx && level + 1 < static_cast<int>(t.levels.size()); side /= 2) ++level;
+  const ContourPoints contours = choose_contour_points(t, level, std::numeric_limits<int>::max());
+  std::array<double, 8> sector{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contours.count); ++i) {
+    const double turn = std::atan2(contours.ny[i], contours.nx[i]) / std::numbers::pi;  // half a turn is the same line
+    sector[static_cast<std::size_t>(std::floor(8 * (turn - std::floor(turn)))) % 8] += 1;
+  }
+  double entropy = 0;
+  for (const double n : sector)
+    if (n > 0) entropy -= n / contours.count * std::log2(n / contours.count);
+  return entropy;
+}
 
 PartFeatures measure_features(image::ImageView picture, image::ImageView mask) {
   image::Image full;

@@ -2,6 +2,7 @@
 /// What there is in a template to find it by.
 
 #include "pickcell/image/image.hpp"
+#include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
 
@@ -15,5 +16,8 @@ struct PartFeatures {
 
 /// mask: same size, >= 128 is part; empty: everything.
 [[nodiscard]] PartFeatures measure_features(image::ImageView picture, image::ImageView mask);
+
+/// Entropy of the directions of all contours in eight sectors of half a turn: 1 for two parallel edges, 3 for a disc.
+[[nodiscard]] double direction_bits(const TemplatePyramid& part);
 
 }  // namespace pickcell::matches

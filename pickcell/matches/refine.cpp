@@ -8,12 +8,15 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kScaleSlack = 0.05;
+constexpr double kFixedScaleSlack = 0.02;  // the scale is known: what is left is tilt and the lens
 constexpr double kStepLimit_px = 2.0;  // of the rim, pixels of the level
 constexpr double kRunAway_px = 4.0;    // pixels of the level
 constexpr int kFinalSteps = 8;
 constexpr double kFinalStop_px = 0.01;   // rim movement at which Gauss-Newton has arrived
 constexpr double kClearlyBetter = 0.02;  // of the score
 constexpr double kRobustBelowNcc = 0.92;
+constexpr double kGoodNcc = 0.9;  // with kGoodEdge: contours cannot say more than the grey values did
+constexpr double kGoodEdge = 0.75;
 constexpr ContourSearch kClimbContour{2, 2.5f, false};
 constexpr ContourSearch kFinalContour{6, 3.f, true};
 
@@ -64,7 +67,8 @@ class Descent {
   }
 
   [[nodiscard]] Similarity in_range(Similarity s) const {
-    s.scale = std::clamp(s.scale, scale_.lo * (1 - kScaleSlack), scale_.hi * (1 + kScaleSlack));
+    const double slack = scale_.lo == scale_.hi ? kFixedScaleSlack : kScaleSlack;
+    s.scale = std::clamp(s.scale, scale_.lo * (1 - slack), scale_.hi * (1 + slack));
     return s;
   }
 
@@ -116,6 +120,7 @@ Hypothesis settle(const SceneLevel& scene, const LevelModel& model, const Simila
   const Hypothesis first = evaluate(scene, model, start, scratch);
   Hypothesis best = first;
   prefer(descent.end_of(start, fit_grey), best);
+  if (best.ncc >= kGoodNcc && best.edge >= kGoodEdge) return best;
   if (const auto moved = fit_contours(scene.grey, 0, model.contours, best.place, kFinalContour, scratch.contour)) {
     const Hypothesis h = evaluate(scene, model, descent.in_range(*moved), scratch);
     if (h.score > best.score + kClearlyBetter) {

@@ -39,7 +39,7 @@ struct Hypothesis {
 /// One level of the picture.
 struct SceneLevel {
   image::ImageView grey;
-  const OrientationField* field = nullptr;
+  LazyField* field = nullptr;
   int level = 0;
 };
 

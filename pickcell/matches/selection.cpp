@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -17,6 +18,7 @@ constexpr double kLeastContrast = 2;  // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
+constexpr double kAboutAsGood = 0.05;     // of the score, between turns about one spot
 constexpr double kMayRise = 0.15;         // of the score, by another angle
 constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
 constexpr std::size_t kContenders = 3;    // of a single search
@@ -52,11 +54,24 @@ bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
   return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < 0.12 * side_px;
 }
 
+/// The best-scored, or of the turns about one spot that score about as well the one whose inside agrees best: the
+/// outline of a round part says nothing about its angle, and fine teeth say only where within a tooth.
+std::vector<Hypothesis>::const_iterator best_turn(const std::vector<Hypothesis>& tries, const Similarity& spot,
+                                                  double side_px) {
+  auto best =
+      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  const double least = best->score - kAboutAsGood;
+  if (!same_spot(best->place, spot, side_px)) return best;
+  for (auto t = tries.begin(); t != tries.end(); ++t)
+    if (t->score >= least && t->ncc > best->ncc && same_spot(t->place, best->place, side_px)) best = t;
+  return best;
+}
+
 }  // namespace
 
 Selection::Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings,
-                     RefineScratch& scratch)
-    : scene_(scene), options_(options), settings_(settings), scratch_(scratch) {}
+                     RefineScratch& scratch, WorkBudget& budget)
+    : scene_(scene), options_(options), settings_(settings), scratch_(scratch), budget_(budget) {}
 
 Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) const {
   return {&model, model_index, h, model.outline(h.place), {}};
@@ -84,14 +99,13 @@ void Selection::resolve_angle(Entry& e) {
   for (double offset : e.model->model->learnt.ambiguous_deg) {
     Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
-    if (angle_allowed(s.angle_rad * kDegPerRad, allowed))
+    if (angle_allowed(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
       tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
   if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
-    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_))
+    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_, budget_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
-  const auto best =
-      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  const auto best = best_turn(tries, e.h.place, e.model->side_px);
   e.h = *best;
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
@@ -104,6 +118,10 @@ void Selection::resolve_angle(Entry& e) {
 bool Selection::contender(const Entry& e) const {
   if (e.h.score + (options_.max_matches > 1 ? kMayRiseSeveral : kMayRise) < limit_of(e)) return false;
   if (options_.max_matches > 1) return true;
+  const double best = std::accumulate(entries_.begin(), entries_.end(), -1.0, [&](double b, const Entry& o) {
+    return o.model == e.model ? std::max(b, o.h.score) : b;
+  });
+  if (e.h.score < best - kMayRise) return false;
   const auto better_ones = std::count_if(entries_.begin(), entries_.end(),
                                          [&](const Entry& o) { return o.model == e.model && o.h.score > e.h.score; });
   return better_ones < static_cast<std::ptrdiff_t>(kContenders);
@@ -135,11 +153,13 @@ const RejectReason* Selection::fault(const Entry& e) const {
 }
 
 void Selection::finish(FindResult& result) {
+  const double start_ms = thread_cpu_ms();
   std::vector<Entry> passed;
   std::vector<Entry*> contenders;
   for (Entry& e : entries_)
     if (contender(e)) contenders.push_back(&e);
-  for (Entry* e : contenders) resolve_angle(*e);
+  for (Entry* e : contenders)
+    if (!budget_.spent()) resolve_angle(*e);
   for (Entry& e : entries_) {
     if (const RejectReason* reason = fault(e))
       turned_.push_back({e, *reason, Stage::final});
@@ -165,6 +185,12 @@ void Selection::finish(FindResult& result) {
     }
   }
   for (const Entry& e : kept) result.matches.push_back(describe(e));
+  StageReport report;
+  report.stage = "selection";
+  report.population = static_cast<std::int64_t>(entries_.size());
+  report.survivors = static_cast<std::int64_t>(kept.size());
+  report.ms = thread_cpu_ms() - start_ms;
+  result.stages.push_back(report);
   if (!options_.explain) return;
   std::stable_sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
     return a.stage != b.stage ? a.stage > b.stage : order(a.entry, b.entry);

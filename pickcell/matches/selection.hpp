@@ -14,7 +14,8 @@ namespace pickcell::matches {
 /// the model; each model has its own score limit.
 class Selection {
  public:
-  Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch);
+  Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch,
+            WorkBudget& budget);
   void add(const BestModel& model, int model_index, Followed followed);
   /// Fills matches and, when options.explain is set, rejected.
   void finish(FindResult& result);
@@ -44,6 +45,7 @@ class Selection {
   const SearchOptions& options_;
   const BestSettings& settings_;
   RefineScratch& scratch_;
+  WorkBudget& budget_;
   std::vector<Entry> entries_;
   std::vector<Turned> turned_;
 };

@@ -18,7 +18,8 @@ constexpr double kSmallPartPixels = 600;  ///< about 24x24: below it every engin
 constexpr double kThinAspect = 6;
 constexpr double kFeaturelessStd = 1.5;  ///< grey values left after averaging: sensor noise alone leaves less
 constexpr double kLowContrastStd = 5;
-constexpr double kOneDirection = 0.02;  ///< of structure across the other direction
+constexpr double kManyDirections_bits = 2;  ///< see direction_bits
+constexpr double kOneDirection = 0.02;      ///< of structure across the other direction
 
 tl::unexpected<core::Error> refuse(const std::string& what, const std::string& why, const std::string& remedy) {
   return core::failure(core::ErrorCode::usage, what, why, remedy);
@@ -140,11 +141,12 @@ void warn_about_angles(const Learnt& learnt, std::vector<TeachWarning>& warnings
                                          " degrees the part looks nearly the same: its angle may be mistaken"});
 }
 
-/// Engine best on 66 templates and 290 photographs: wrong places reach 0.63 with parts of 1000 to 7000 pixels, 0.5 with
-/// 20000, 0.35 with 60000 (the more pixels, the less can agree by chance); right ones lie below the suggestion in 2 of
-/// 100.
-double suggested_threshold(double part_pixels) {
-  return std::clamp(0.65 - 0.045 * std::log2(part_pixels / 4500), 0.42, 0.65);
+/// Engine best on 66 templates and 330 photographs: wrong places reach 0.63 with parts of 1000 to 7000 pixels, 0.5 with
+/// 20000, 0.35 with 60000 (the more pixels, the less can agree by chance), and 0.77 with two parallel edges, which
+/// agree with much of the world. Right ones lie below the suggestion in 2 of 100.
+double suggested_threshold(double part_pixels, double direction_bits) {
+  const double by_size = std::clamp(0.655 - 0.045 * std::log2(part_pixels / 4500), 0.42, 0.655);
+  return by_size + 0.22 * std::clamp(kManyDirections_bits - direction_bits, 0.0, 1.0);
 }
 
 Learnt learn(const Model& model, const PartFeatures& features) {
@@ -153,7 +155,7 @@ Learnt learn(const Model& model, const PartFeatures& features) {
   learnt.symmetry_order = self.symmetry_order;
   learnt.ambiguous_deg = self.ambiguous_deg;
   learnt.second_best_self_match = self.second_best;
-  learnt.suggested_min_score = suggested_threshold(features.part_pixels);
+  learnt.suggested_min_score = suggested_threshold(features.part_pixels, direction_bits(build_template_pyramid(model)));
   return learnt;
 }
 

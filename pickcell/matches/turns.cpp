@@ -30,11 +30,13 @@ Similarity turned(Similarity s, double by_rad) {
 
 /// Local maxima of the score over the circle, best first, the found angle left out.
 std::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, const LevelModel& model,
-                              RefineScratch& scratch) {
+                              RefineScratch& scratch, WorkBudget& budget) {
   const int n = std::clamp(static_cast<int>(2 * std::numbers::pi * static_cast<double>(model.grey.radius)), 24, 360);
   std::vector<Hypothesis> circle;
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < n; ++i) {
+    if (budget.spent()) return {};
     circle.push_back(evaluate(level, model, turned(found.place, 2 * std::numbers::pi * i / n), scratch));
+  }
   const double least = circle[0].score - kHopeless;
   std::vector<Hypothesis> peaks;
   for (int i = 0; i < n; ++i) {
@@ -52,12 +54,13 @@ std::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, 
 }  // namespace
 
 std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
-                                      RefineScratch& scratch) {
+                                      RefineScratch& scratch, WorkBudget& budget) {
   const int l = sweep_level(model, scene);
   const SceneLevel level = scene.level(l);
   const LevelModel& at_level = model.levels[static_cast<std::size_t>(l)];
   std::vector<Hypothesis> out{found};
-  for (const Hypothesis& peak : sweep(found, level, at_level, scratch)) {
+  for (const Hypothesis& peak : sweep(found, level, at_level, scratch, budget)) {
+    if (budget.spent()) break;
     const Hypothesis near = climb(level, at_level, peak.place, model.scale, kSteps, scratch);
     const Hypothesis exact = settle(scene.level(0), model.levels[0], near.place, model.scale, scratch);
     out.push_back(polish(scene.level(0), model.levels[0], exact, model.scale, scratch));

@@ -7,12 +7,14 @@
 #include "pickcell/matches/best_model.hpp"
 #include "pickcell/matches/best_scene.hpp"
 #include "pickcell/matches/refine.hpp"
+#include "pickcell/matches/work.hpp"
 
 namespace pickcell::matches {
 
 /// The hypothesis itself and the best other angles about the same anchor, each settled at level 0, best first. Sweeps
-/// the whole circle at a middle level, one pixel at the rim per step, and follows the highest local maxima.
+/// the whole circle at a middle level, one pixel at the rim per step, and follows the highest local maxima. Stops when
+/// the budget is spent.
 [[nodiscard]] std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
-                                                    RefineScratch& scratch);
+                                                    RefineScratch& scratch, WorkBudget& budget);
 
 }  // namespace pickcell::matches

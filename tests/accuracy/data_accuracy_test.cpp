@@ -1,6 +1,8 @@
 /// On real photographs and objects, which are not shipped: skipped where they are missing.
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "pickcell/core/file.hpp"
 #include "pickcell/image/codec.hpp"
@@ -90,6 +92,55 @@ TEST(SharedData, ToothedCapAtEveryAngle) {
     EXPECT_LE(std::abs(std::remainder(turned, 180)), 0.3) << row.file;
   }
   fs::remove_all(folder);
+}
+
+struct Pair {
+  std::vector<std::string> command;  ///< template, scene, arguments
+  struct Part {
+    double x, y, deg;
+  };
+  std::vector<Part> parts;
+};
+
+std::vector<Pair> read_pairs(const std::string& text) {
+  std::vector<Pair> out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    if (line.starts_with("pair ")) {
+      out.emplace_back();
+      words.ignore(5);
+      for (std::string word; words >> word;) out.back().command.push_back(word);
+    } else if (Pair::Part part{}; words >> part.x >> part.y >> part.deg) {
+      out.back().parts.push_back(part);
+    }
+  }
+  return out;
+}
+
+/// All of them and nothing else.
+TEST(SharedData, RealPairs) {
+  SHARED_DATA_OR_SKIP(set, "real/pairs");
+  const auto text = core::read_text_file(fs::path(PICKCELL_SOURCE_DIR) / "tests/accuracy/pairs.txt");
+  ASSERT_TRUE(text);
+  const std::vector<Pair> pairs = read_pairs(*text);
+  ASSERT_EQ(pairs.size(), 4u);
+  for (const Pair& pair : pairs) {
+    std::vector<std::string> command{"match", (*set / pair.command[0]).string(), (*set / pair.command[1]).string()};
+    command.insert(command.end(), pair.command.begin() + 2, pair.command.end());
+    command.push_back("--json");
+    const Said said = pickcell(command);
+    const auto& matches = said.json["matches"].items();
+    EXPECT_EQ(matches.size(), pair.parts.size()) << pair.command[1] << said.err;
+    for (const Pair::Part& part : pair.parts)
+      EXPECT_EQ(std::count_if(matches.begin(), matches.end(),
+                              [&](const core::Json& m) {
+                                return std::hypot(*m["x_px"].number() - part.x, *m["y_px"].number() - part.y) <= 3 &&
+                                       std::abs(std::remainder(*m["angle_deg"].number() - part.deg, 360.0)) <= 2;
+                              }),
+                1)
+          << pair.command[1] << " at " << part.x << ", " << part.y;
+  }
 }
 
 }  // namespace
