@@ -8,6 +8,7 @@
 
 #include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/rotated_rect.hpp"
+#include "pickcell/matches/rst_smooth.hpp"
 #include "pickcell/matches/similarity.hpp"
 
 namespace pickcell::matches {
@@ -175,16 +176,17 @@ core::Status RstEngine::search(const image::Pyramid& scene, RstModel& model, int
                                FindResult& result) {
   if (auto fits = check_size(scene, model); !fits) return fits;
   const Range angles = options.angle_deg.value_or(model.model->angle_deg);
+  StageClock clock;
+  if (settings_.smooth > 0) smooth(scene.level(model.level), settings_.smooth, smoothed_, scratch_);
   const RstTask task{model,
                      settings_,
                      variant_,
-                     scene.level(model.level),
+                     settings_.smooth > 0 ? smoothed_.view() : scene.level(model.level),
                      options,
                      allowed_shifts(angles, settings_.angle_step_deg),
                      allowed_degrees(angles),
                      budget,
                      thread_count(options.threads)};
-  StageClock clock;
   const auto finished = [&](RstStep& step, Stage stage) {
     step.report.ms = clock.lap_ms();
     result.stages.push_back(step.report);

@@ -57,6 +57,7 @@ class RstEngine final : public Engine {
   WorkBudget::CpuClock cpu_ms_;
   std::map<const Model*, std::vector<std::unique_ptr<RstModel>>> models_;  ///< one per scale range
   RstRefine refine_;
+  image::Image smoothed_, scratch_;
 };
 
 }  // namespace pickcell::matches

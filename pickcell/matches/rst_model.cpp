@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 
+#include "pickcell/matches/rst_smooth.hpp"
 #include "pickcell/matches/similarity.hpp"
 
 namespace pickcell::matches {
@@ -59,8 +60,10 @@ core::Status refuse(const Model& model, const std::string& why, const std::strin
 
 class Training {
  public:
-  Training(RstModel& m, const RstSettings& settings)
-      : m_(m), settings_(settings), t_(m.pyramid.levels[static_cast<std::size_t>(m.level)].grey.view()) {
+  Training(RstModel& m, const RstSettings& settings) : m_(m), settings_(settings) {
+    image::Image scratch;
+    smooth(m.pyramid.levels[static_cast<std::size_t>(m.level)].grey.view(), settings.smooth, m.coarse_grey, scratch);
+    t_ = m.coarse_grey.view();
     cx_ = middle(t_.width());
     cy_ = middle(t_.height());
   }
@@ -119,17 +122,17 @@ class Training {
     }
   }
 
-  [[nodiscard]] WindowSource source(int level, double anchor_x, double anchor_y) const {
+  [[nodiscard]] WindowSource source(int level, image::ImageView grey, double anchor_x, double anchor_y) const {
     const TemplateLevel& l = m_.pyramid.levels[static_cast<std::size_t>(level)];
-    return {l.grey.view(), m_.pyramid.masked ? l.coverage.view() : image::View<float>(), anchor_x, anchor_y,
-            settings_.mask};
+    return {grey, m_.pyramid.masked ? l.coverage.view() : image::View<float>(), anchor_x, anchor_y, settings_.mask};
   }
 
   void windows() {
     for (const double s : m_.scales)
       for (int shift = 0; shift < m_.lines; ++shift)
-        m_.coarse.push_back(make_window(source(m_.level, cx_, cy_), shift * settings_.angle_step_deg, s));
-    m_.fine = std::make_unique<WindowCache>(source(0, m_.anchor_x, m_.anchor_y), m_.scales);
+        m_.coarse.push_back(make_window(source(m_.level, t_, cx_, cy_), shift * settings_.angle_step_deg, s));
+    m_.fine = std::make_unique<WindowCache>(source(0, m_.pyramid.levels.front().grey.view(), m_.anchor_x, m_.anchor_y),
+                                            m_.scales);
   }
 
   RstModel& m_;

@@ -52,6 +52,7 @@ struct RstModel {
   std::vector<double> scales;  ///< ascending
   int level = 1;               ///< NP
   TemplatePyramid pyramid;
+  image::Image coarse_grey;           ///< the template at level NP, smoothed when asked for
   double anchor_x = 0, anchor_y = 0;  ///< of the coarse anchor in pixels of the full template
   double ref_dx = 0, ref_dy = 0;      ///< reference point less anchor
   int margin = 0;                     ///< radius of the largest circle

@@ -99,6 +99,7 @@ const std::vector<Key>& keys() {
       whole("NP", 0, 5, &RstSettings::pyramid_level),
       whole("NS", 1, kMostScales, &RstSettings::scale_count),
       {"scales", "use up to 32 different numbers from 0.1 to 10, like 0.9,1,1.1", read_scales},
+      whole("smooth", 0, 8, &RstSettings::smooth),
       whole("NC", 3, 64, &RstSettings::circles),
       {"alpha", "use a whole number of degrees that divides 360, from 1 to 90", read_alpha},
       number("t1", -1, 1, &RstSettings::t1),
