@@ -34,6 +34,9 @@ void dots_impl(const std::int16_t* a, const std::int16_t* b, int count, std::spa
 void sum_window_impl(image::ImageView picture, const Window& window, int x, int y, WindowSums& out) {
   out = plain::sum_window(picture, window, x, y);
 }
+void sum_clipped_impl(image::ImageView picture, const Window& window, int x, int y, WindowSums& out) {
+  out = plain::sum_window(picture, window, x, y);
+}
 
 #else
 
@@ -45,33 +48,46 @@ using D32 = hn::Repartition<std::int32_t, D16>;
 using DF = hn::CappedTag<float, 16>;
 using DFI = hn::RebindToSigned<DF>;
 
-/// Bytes of one list summed in 16 bits, 256 at a time, then in 32.
-HWY_INLINE void sum_list(const std::uint8_t* first, const std::int32_t* offset, int count, std::uint32_t* sums) {
+/// Means of 16 positions from their sums.
+template <class V>
+HWY_INLINE void store_means(V sums, float inverse_length, float* out) {
+  const hn::Rebind<float, hn::DFromV<V>> d;
+  hn::StoreU(hn::Mul(hn::ConvertTo(d, sums), hn::Set(d, inverse_length)), d, out);
+}
+
+/// A block of positions over one list: bytes summed in 16 bits, which hold 256 of them, then in 32.
+HWY_INLINE void mean_list(const std::uint8_t* first, const std::int32_t* offset, int count, float inverse_length,
+                          float* out) {
   const DU16 d;
+  const hn::Half<DU16> half;
+  const hn::Rebind<std::int32_t, hn::Half<DU16>> wide;
   const std::size_t lanes = hn::Lanes(d);
-  alignas(64) std::uint16_t part[kRstBlock];
-  for (int from = 0; from < count; from += 256) {
-    const int to = std::min(count, from + 256);
-    for (std::size_t at = 0; at < kRstBlock; at += lanes) {
-      auto sum = hn::Zero(d);
-      for (int k = from; k < to; ++k) sum = hn::Add(sum, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k] + at)));
-      hn::StoreU(sum, d, part + at);
+  for (std::size_t at = 0; at < kRstBlock; at += lanes) {
+    auto low = hn::Zero(wide), high = hn::Zero(wide);
+    for (int from = 0; from < count; from += 256) {
+      const int to = std::min(count, from + 256);
+      auto even = hn::Zero(d), odd = hn::Zero(d);
+      int k = from;
+      for (; k + 1 < to; k += 2) {
+        even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k] + at)));
+        odd = hn::Add(odd, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k + 1] + at)));
+      }
+      if (k < to) even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k] + at)));
+      even = hn::Add(even, odd);
+      low = hn::Add(low, hn::PromoteTo(wide, hn::LowerHalf(half, even)));
+      high = hn::Add(high, hn::PromoteTo(wide, hn::UpperHalf(half, even)));
     }
-    for (int i = 0; i < kRstBlock; ++i) sums[i] += part[i];
+    store_means(low, inverse_length, out + at);
+    store_means(high, inverse_length, out + at + lanes / 2);
   }
 }
 
 void mean_lists_impl(const std::uint8_t* first, const OffsetLists& lists, int n, float* means, std::ptrdiff_t stride) {
   const std::size_t count = lists.inverse_length.size();
-  for (int i = 0; i < n; i += kRstBlock) {
-    for (std::size_t k = 0; k < count; ++k) {
-      std::uint32_t sums[kRstBlock] = {};
-      sum_list(first + i, lists.offsets.data() + lists.start[k], lists.start[k + 1] - lists.start[k], sums);
-      float* out = means + static_cast<std::ptrdiff_t>(k) * stride + i;
-      for (int lane = 0; lane < kRstBlock; ++lane)
-        out[lane] = static_cast<float>(static_cast<std::int32_t>(sums[lane])) * lists.inverse_length[k];
-    }
-  }
+  for (int i = 0; i < n; i += kRstBlock)
+    for (std::size_t k = 0; k < count; ++k)
+      mean_list(first + i, lists.offsets.data() + lists.start[k], lists.start[k + 1] - lists.start[k],
+                lists.inverse_length[k], means + static_cast<std::ptrdiff_t>(k) * stride + i);
 }
 
 void score_rings_impl(const float* means, std::ptrdiff_t stride, int n, const RingQuery& query, float* best,
@@ -161,12 +177,23 @@ struct RunSums {
   }
 };
 
+HWY_INLINE void drain_own(RunSums& own, WindowSums& out) {
+  WindowSums part;
+  own.drain(part);
+  out.t += part.i;
+  out.tt += part.ii;
+}
+
+struct GreyLoad {
+  HWY_INLINE hn::Vec<D16> operator()(const std::uint8_t* p) const {
+    return hn::Sub(hn::PromoteTo(D16(), hn::LoadU(DU8(), p)), hn::Set(D16(), std::int16_t{128}));
+  }
+};
+
 void sum_window_impl(image::ImageView picture, const Window& window, int x, int y, WindowSums& out) {
   const D16 d;
+  const GreyLoad grey;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto middle = hn::Set(d, std::int16_t{128});
-  const auto grey = [&](const std::uint8_t* p)
-                        HWY_ATTR { return hn::Sub(hn::PromoteTo(d, hn::LoadU(DU8(), p)), middle); };
   RunSums sums;
   sums.clear();
   for (const Window::Run& run : window.runs) {
@@ -181,6 +208,39 @@ void sum_window_impl(image::ImageView picture, const Window& window, int x, int 
     if (sums.steps > 16000) sums.drain(out);
   }
   sums.drain(out);
+  out.n = window.pixels;
+  out.t = window.sum;
+  out.tt = window.sum_sq;
+}
+
+/// As above for a window that sticks out of the picture: its own sums differ, too.
+void sum_clipped_impl(image::ImageView picture, const Window& window, int x, int y, WindowSums& out) {
+  const D16 d;
+  const GreyLoad grey;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  RunSums sums, own;
+  sums.clear();
+  own.clear();
+  for (const Window::Run& run : window.runs) {
+    if (y + run.dy < 0 || y + run.dy >= picture.height()) continue;
+    const int from = std::max(0, -(x + run.dx)), to = std::min(run.length, picture.width() - (x + run.dx));
+    if (from >= to) continue;
+    const std::uint8_t* p = picture.row(y + run.dy) + x + run.dx;
+    const std::uint8_t* t = window.values.data() + run.first;
+    for (int k = from; k < to; k += lanes) {
+      const auto rest = hn::FirstN(d, static_cast<std::size_t>(std::min(lanes, to - k)));
+      const auto v = hn::IfThenElseZero(rest, grey(t + k));
+      sums.add(hn::IfThenElseZero(rest, grey(p + k)), v);
+      own.add(v, v);
+    }
+    out.n += to - from;
+    if (sums.steps > 16000) {
+      sums.drain(out);
+      drain_own(own, out);
+    }
+  }
+  sums.drain(out);
+  drain_own(own, out);
 }
 
 #endif
@@ -195,6 +255,7 @@ HWY_EXPORT(mean_lists_impl);
 HWY_EXPORT(score_rings_impl);
 HWY_EXPORT(dots_impl);
 HWY_EXPORT(sum_window_impl);
+HWY_EXPORT(sum_clipped_impl);
 
 void mean_lists(const std::uint8_t* first, const OffsetLists& lists, int n, float* means, std::ptrdiff_t stride) {
   HWY_DYNAMIC_DISPATCH(mean_lists_impl)(first, lists, n, means, stride);
@@ -211,7 +272,11 @@ void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<con
 
 WindowSums sum_window(image::ImageView picture, const Window& window, int x, int y) {
   WindowSums out;
-  HWY_DYNAMIC_DISPATCH(sum_window_impl)(picture, window, x, y, out);
+  if (x + window.x_lo >= 0 && y + window.y_lo >= 0 && x + window.x_hi < picture.width() &&
+      y + window.y_hi < picture.height())
+    HWY_DYNAMIC_DISPATCH(sum_window_impl)(picture, window, x, y, out);
+  else
+    HWY_DYNAMIC_DISPATCH(sum_clipped_impl)(picture, window, x, y, out);
   return out;
 }
 
@@ -264,10 +329,15 @@ WindowSums sum_window(image::ImageView picture, const Window& window, int x, int
   WindowSums out;
   for (const Window::Run& run : window.runs)
     for (int k = 0; k < run.length; ++k) {
-      const int i = picture.at(x + run.dx + k, y + run.dy) - 128;
+      const int u = x + run.dx + k, v = y + run.dy;
+      if (u < 0 || v < 0 || u >= picture.width() || v >= picture.height()) continue;
+      const int i = picture.at(u, v) - 128;
       const int t = window.values[run.first + static_cast<std::size_t>(k)] - 128;
+      ++out.n;
       out.i += i;
       out.ii += i * i;
+      out.t += t;
+      out.tt += t * t;
       out.it += i * t;
     }
   return out;

@@ -34,7 +34,7 @@ void score_rings(const float* means, std::ptrdiff_t stride, int n, const RingQue
 /// out[s] = dot product of a and b + starts[s], 16-bit values; count a multiple of kRstBlock, |sums| < 2^31.
 void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts, std::int32_t* out);
 
-/// Sums of picture and products under the window, which must lie inside the picture.
+/// Sums of picture, window and products; pixels outside the picture are left out.
 [[nodiscard]] WindowSums sum_window(image::ImageView picture, const Window& window, int x, int y);
 
 /// The same in plain C++.

@@ -11,7 +11,7 @@
 namespace pickcell::matches {
 namespace {
 
-constexpr float kMidGrey = 127.5f;
+constexpr int kMidGrey = static_cast<int>(kRadialUnit * 127.5f);
 constexpr int kMostLines = 360;
 
 int padded(int lines) { return (lines + kRstBlock - 1) / kRstBlock * kRstBlock; }
@@ -75,7 +75,8 @@ void set_radial_features(const float* means, std::ptrdiff_t stride, int lines, R
   out.values.assign(static_cast<std::size_t>(padded(lines)), 0);
   out.sum = out.sum_sq = 0;
   for (int j = 0; j < lines; ++j) {
-    const auto v = static_cast<std::int16_t>(std::lround(kRadialUnit * (means[j * stride] - kMidGrey)));
+    // Grey values are not negative, so cutting rounds down.
+    const auto v = static_cast<std::int16_t>(static_cast<int>(kRadialUnit * means[j * stride] + 0.5f) - kMidGrey);
     out.values[static_cast<std::size_t>(j)] = v;
     out.sum += v;
     out.sum_sq += static_cast<std::int64_t>(v) * v;

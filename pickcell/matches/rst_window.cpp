@@ -50,6 +50,10 @@ class Builder {
     double from = -reach_, to = reach_;
     narrow(s_.anchor_x - d_ * dy, c_, -kEdge, right_, from, to);
     narrow(s_.anchor_y + c_ * dy, d_, -kEdge, bottom_, from, to);
+    if (s_.coverage.empty() && s_.mask == WindowMask::rect) {
+      whole_row(dy, from, to);
+      return;
+    }
     bool open = false;
     for (int dx = static_cast<int>(std::ceil(from - 1e-6)); dx <= to + 1e-6; ++dx) {
       const double u = c_ * dx - d_ * dy, v = d_ * dx + c_ * dy;
@@ -62,6 +66,18 @@ class Builder {
     if (open) end();
   }
 
+  /// Every pixel of the row's part that lies in the template.
+  void whole_row(int dy, double from, double to) {
+    int first = static_cast<int>(std::ceil(from - 1e-6)), last = static_cast<int>(std::floor(to + 1e-6));
+    while (first <= last && !belongs(c_ * first - d_ * dy, d_ * first + c_ * dy)) ++first;
+    while (first <= last && !belongs(c_ * last - d_ * dy, d_ * last + c_ * dy)) --last;
+    if (first > last) return;
+    begin(first, dy);
+    for (int dx = first; dx <= last; ++dx)
+      add(s_.anchor_x + (c_ * dx - d_ * dy), s_.anchor_y + (d_ * dx + c_ * dy), dx);
+    end();
+  }
+
   [[nodiscard]] bool belongs(double u, double v) const {
     const double x = s_.anchor_x + u, y = s_.anchor_y + v;
     if (x < -kEdge || y < -kEdge || x > right_ || y > bottom_ || u * u + v * v > disc_sq_) return false;
@@ -72,9 +88,10 @@ class Builder {
     return in(x0, y0) && in(x1, y0) && in(x0, y1) && in(x1, y1);
   }
 
+  /// x, y >= -kEdge, so cutting rounds down.
   [[nodiscard]] std::pair<int, int> corner(double x, double y) const {
-    return {std::clamp(static_cast<int>(std::floor(x + kEdge)), 0, s_.grey.width() - 1),
-            std::clamp(static_cast<int>(std::floor(y + kEdge)), 0, s_.grey.height() - 1)};
+    return {std::min(static_cast<int>(x + kEdge), s_.grey.width() - 1),
+            std::min(static_cast<int>(y + kEdge), s_.grey.height() - 1)};
   }
 
   void begin(int dx, int dy) { out_.runs.push_back({dy, dx, 0, out_.values.size()}); }
@@ -115,29 +132,6 @@ double ncc_of(double n, double i, double ii, double t, double tt, double it) {
   return (n * it - i * t) / std::sqrt(scene * part);
 }
 
-/// The window partly outside: all sums over what is inside.
-WindowScore score_clipped(image::ImageView picture, const Window& window, int x, int y) {
-  std::int64_t n = 0, t = 0, tt = 0;
-  WindowSums s;
-  for (const Window::Run& run : window.runs) {
-    if (y + run.dy < 0 || y + run.dy >= picture.height()) continue;
-    const int from = std::max(0, -(x + run.dx)), to = std::min(run.length, picture.width() - (x + run.dx));
-    const std::uint8_t* p = picture.row(y + run.dy);
-    for (int k = from; k < to; ++k) {
-      const int a = p[x + run.dx + k] - 128, b = window.values[run.first + static_cast<std::size_t>(k)] - 128;
-      ++n;
-      s.i += a;
-      s.ii += a * a;
-      s.it += a * b;
-      t += b;
-      tt += b * b;
-    }
-  }
-  const auto real = [](std::int64_t v) { return static_cast<double>(v); };
-  return {ncc_of(real(n), real(s.i), real(s.ii), real(t), real(tt), real(s.it)),
-          window.pixels > 0 ? real(n) / window.pixels : 0};
-}
-
 }  // namespace
 
 Window make_window(const WindowSource& source, double angle_deg, double scale) {
@@ -145,12 +139,10 @@ Window make_window(const WindowSource& source, double angle_deg, double scale) {
 }
 
 WindowScore score_window(image::ImageView picture, const Window& window, int x, int y) {
-  if (x + window.x_lo < 0 || y + window.y_lo < 0 || x + window.x_hi >= picture.width() ||
-      y + window.y_hi >= picture.height())
-    return score_clipped(picture, window, x, y);
   const WindowSums s = sum_window(picture, window, x, y);
   const auto real = [](std::int64_t v) { return static_cast<double>(v); };
-  return {ncc_of(window.pixels, real(s.i), real(s.ii), real(window.sum), real(window.sum_sq), real(s.it)), 1.0};
+  return {ncc_of(real(s.n), real(s.i), real(s.ii), real(s.t), real(s.tt), real(s.it)),
+          window.pixels > 0 ? real(s.n) / window.pixels : 0};
 }
 
 }  // namespace pickcell::matches

@@ -41,9 +41,9 @@ struct WindowSource {
 /// inscribed disc where that is asked for). Angle: counter-clockwise on the screen.
 [[nodiscard]] Window make_window(const WindowSource& source, double angle_deg, double scale);
 
-/// Sums over the picture under a window, all of value - 128.
+/// Sums over the pixels of a window that lie in the picture, all of value - 128: i of the picture, t of the window.
 struct WindowSums {
-  std::int64_t i = 0, ii = 0, it = 0;
+  std::int64_t n = 0, i = 0, ii = 0, t = 0, tt = 0, it = 0;
   bool operator==(const WindowSums&) const = default;
 };
 
