@@ -40,9 +40,9 @@ struct StageReport {
   std::string stage;
   std::int64_t population = 0;  ///< candidates that entered
   std::int64_t survivors = 0;
-  std::int64_t ncc_count = 0;      ///< correlations of the template with the picture
-  std::int64_t feature_count = 0;  ///< comparisons of short feature vectors (rst, erst: circles, lines)
+  std::int64_t ncc_count = 0;  ///< correlations of the template with the picture
   double ms = 0;
+  std::int64_t feature_count = 0;  ///< comparisons of short feature vectors (rst, erst: circles, lines)
 };
 
 struct FindResult {
