@@ -82,6 +82,7 @@ Runner add_bench(CLI::App& app) {
   app.add_option("--every", options.every, "only the pictures 0, K, 2K, ... of the set's list")
       ->check(CLI::Range(1, 1 << 30));
   app.add_flag("--absent", options.absent, "also search each picture for a part that is not in it");
+  app.add_flag("--explain", options.explain, "name the stage that lost each part that was not found");
   app.add_option("--set", arguments->settings, "KEY=VALUE, a setting of the engine")->allow_extra_args(false);
   app.add_option("--params", arguments->params_file, "TOML file with settings of the engine");
   CLI::Option* json = app.add_option("--json", arguments->json_file, "JSON on stdout, or into a file")->expected(0, 1);

@@ -20,15 +20,24 @@ namespace pickcell::cli {
 struct BenchOptions {
   std::string engine = "best";
   matches::Settings settings;
-  int threads = 1;      ///< 0: all
-  int every = 1;        ///< pictures 0, every, 2 * every, ... of the set's list
-  bool absent = false;  ///< search each picture for a part that is not there, too
+  int threads = 1;       ///< 0: all
+  int every = 1;         ///< pictures 0, every, 2 * every, ... of the set's list
+  bool absent = false;   ///< search each picture for a part that is not there, too
+  bool explain = false;  ///< say where a search lost what it did not find
+};
+
+/// Where a search turned the true pose down.
+struct Loss {
+  std::string stage;  ///< the furthest stage that a candidate near the true pose reached; "none": there was none
+  std::string why;    ///< reason and score
 };
 
 /// One picture, searched and scored.
 struct ImageOutcome {
   std::size_t image = 0;  ///< place in Dataset::images
   ImageScore score;
+  bool loose = false;                 ///< one pose asked for: found loosely (is_loose)
+  std::optional<Loss> loss;           ///< with BenchOptions::explain, where one pose was not found loosely
   bool correct_at_threshold = false;  ///< correct, and no score below the model's suggested threshold
   std::optional<double>
       ms;  ///< of the second run: thread CPU time with one thread, wall time with more; pyramid included

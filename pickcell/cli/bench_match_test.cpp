@@ -194,16 +194,23 @@ TEST(BenchReportJson, HasExactlyTheDocumentedKeys) {
   engine.answers = {{0, {match_at(10, 10, 350, 0.9)}}};
   BenchRun run;
   const Json json = to_json(report_of(set, engine, run));
-  const std::vector<std::string> documented{"dataset",         "engine",           "threads",      "isa",
-                                            "images",          "correct",          "strict_count", "accuracy",
-                                            "strict",          "median_ms",        "mean_ms",      "p95_ms",
-                                            "teach_ms",        "median_px",        "p95_px",       "median_deg",
-                                            "p95_deg",         "median_scale_pct", "yardstick_ms", "median_yardsticks",
-                                            "mean_yardsticks", "by_size",          "by_kind",      "failures"};
+  const std::vector<std::string> documented{"dataset",         "engine",
+                                            "threads",         "isa",
+                                            "images",          "correct",
+                                            "strict_count",    "accuracy",
+                                            "strict",          "median_ms",
+                                            "mean_ms",         "p95_ms",
+                                            "teach_ms",        "median_px",
+                                            "p95_px",          "median_deg",
+                                            "p95_deg",         "median_scale_pct",
+                                            "yardstick_ms",    "median_yardsticks",
+                                            "mean_yardsticks", "by_size",
+                                            "by_kind",         "failures",
+                                            "loose_count",     "loose"};
   EXPECT_EQ(keys_of(json), documented);
   EXPECT_EQ(keys_of(json["by_kind"]["clean"]),
             (std::vector<std::string>{"images", "correct", "strict_count", "accuracy", "strict", "median_ms", "mean_ms",
-                                      "ncc_count"}));
+                                      "ncc_count", "loose_count", "loose"}));
   EXPECT_DOUBLE_EQ(*json["accuracy"].number(), 1);
   EXPECT_EQ(json["yardstick_ms"].is_null(), !Yardstick::available());
   EXPECT_TRUE(json["failures"].is_array());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <map>
 
 #include "pickcell/core/statistics.hpp"
 
@@ -22,6 +23,7 @@ ClassFigures figures_of(std::string name, const OutcomeList& outcomes) {
   for (const ImageOutcome* outcome : outcomes) {
     out.correct += outcome->score.correct ? 1 : 0;
     out.strict += outcome->score.strict ? 1 : 0;
+    out.loose += outcome->loose ? 1 : 0;
     out.ncc_count += outcome->ncc_count;
     if (outcome->ms) times.push_back(*outcome->ms);
   }
@@ -82,13 +84,14 @@ Json ratio(std::size_t part, std::size_t whole) {
   return whole == 0 ? Json() : Json(static_cast<double>(part) / static_cast<double>(whole));
 }
 
-Json classes_json(const std::vector<ClassFigures>& classes) {
+Json classes_json(const std::vector<ClassFigures>& classes, bool loose) {
   Json out = Json::object();
   for (const ClassFigures& c : classes) {
     Json entry = Json::object();
     entry.set("images", c.images).set("correct", c.correct).set("strict_count", c.strict);
     entry.set("accuracy", c.accuracy()).set("strict", c.strict_rate());
     entry.set("median_ms", c.median_ms).set("mean_ms", c.mean_ms).set("ncc_count", c.ncc_count);
+    if (loose) entry.set("loose_count", c.loose).set("loose", c.loose_rate());
     out.set(c.name, std::move(entry));
   }
   return out;
@@ -113,9 +116,21 @@ std::string error_line(const BenchReport& report, const char* label, std::option
                 *(report.scale_pct.*part));
 }
 
-std::string class_line(const ClassFigures& c) {
-  return format("  %-14s %6zu %9.1f %% %7.1f %% %11.2f %9.2f\n", c.name.c_str(), c.images, 100 * c.accuracy(),
-                100 * c.strict_rate(), c.median_ms, c.mean_ms);
+std::string class_line(const ClassFigures& c, bool loose) {
+  return format("  %-14s %6zu %9.1f %% %7.1f %% ", c.name.c_str(), c.images, 100 * c.accuracy(),
+                100 * c.strict_rate()) +
+         (loose ? format("%7.1f %% ", 100 * c.loose_rate()) : std::string()) +
+         format("%11.2f %9.2f\n", c.median_ms, c.mean_ms);
+}
+
+/// How many of the misses each stage lost.
+std::string losses(const BenchReport& report) {
+  std::map<std::string, int> count;
+  for (const Failure& f : report.failures)
+    if (f.loss) ++count[f.loss->stage];
+  std::string out;
+  for (const auto& [stage, n] : count) out += format("%s%s %d", out.empty() ? "" : ", ", stage.c_str(), n);
+  return out.empty() ? "" : "not found loosely, by the stage that lost them: " + out + "\n";
 }
 
 std::string percent(std::size_t part, std::size_t whole) {
@@ -138,9 +153,10 @@ BenchReport summarise(const Dataset& set, const BenchRun& run) {
     all.push_back(&outcome);
     if (outcome.ms) times.push_back(*outcome.ms);
     has_instances = has_instances || image.has_instances;
-    if (!outcome.score.correct) out.failures.push_back({image.file.generic_string(), outcome.score.why});
+    if (!outcome.score.correct) out.failures.push_back({image.file.generic_string(), outcome.score.why, outcome.loss});
   }
   out.all = figures_of("all", all);
+  out.loose = !has_instances;
   out.p95_ms = core::quantile(times, 0.95).value_or(0);
   out.teach_ms = core::median(run.teach_ms);
   out.px = error_figures(run, &PoseError::position_px);
@@ -170,9 +186,14 @@ Json to_json(const BenchReport& report) {
   out.set("yardstick_ms", number_or_null(y));
   out.set("median_yardsticks", y ? Json(report.all.median_ms / *y) : Json());
   out.set("mean_yardsticks", y ? Json(report.all.mean_ms / *y) : Json());
-  out.set("by_size", classes_json(report.by_size)).set("by_kind", classes_json(report.by_kind));
+  out.set("by_size", classes_json(report.by_size, report.loose));
+  out.set("by_kind", classes_json(report.by_kind, report.loose));
   Json failures = Json::array();
-  for (const Failure& f : report.failures) failures.push(Json::object().set("image", f.image).set("why", f.why));
+  for (const Failure& f : report.failures) {
+    Json failure = Json::object().set("image", f.image).set("why", f.why);
+    if (f.loss) failure.set("stage", f.loss->stage).set("stage_why", f.loss->why);
+    failures.push(std::move(failure));
+  }
   out.set("failures", std::move(failures));
   if (const auto& i = report.instances) {
     out.set("recall", ratio(i->found, i->instances)).set("precision", ratio(i->found, i->reported));
@@ -182,6 +203,7 @@ Json to_json(const BenchReport& report) {
     out.set("absent_images", a->images).set("false_accepts", a->false_accepts);
     out.set("recall_at_threshold", a->recall_at_threshold);
   }
+  if (report.loose) out.set("loose_count", report.all.loose).set("loose", report.all.loose_rate());
   return out;
 }
 
@@ -189,11 +211,12 @@ std::string to_table(const BenchReport& report) {
   const auto& y = report.yardstick_ms;
   std::string out = format("%s: %zu images, engine %s, %d thread%s, %s\n\n", report.dataset.c_str(), report.all.images,
                            report.engine.c_str(), report.threads, report.threads == 1 ? "" : "s", report.isa.c_str());
-  out += format("  %-14s %6s %11s %9s %11s %9s\n", "", "images", "accuracy", "strict", "median ms", "mean ms");
-  out += class_line(report.all) + "\n";
-  for (const auto& c : report.by_size) out += class_line(c);
+  out += format("  %-14s %6s %11s %9s %s%11s %9s\n", "", "images", "accuracy", "strict",
+                report.loose ? "    loose " : "", "median ms", "mean ms");
+  out += class_line(report.all, report.loose) + "\n";
+  for (const auto& c : report.by_size) out += class_line(c, report.loose);
   out += report.by_size.empty() ? "" : "\n";
-  for (const auto& c : report.by_kind) out += class_line(c);
+  for (const auto& c : report.by_kind) out += class_line(c, report.loose);
   out += report.by_kind.empty() ? "" : "\n";
   out += format("time    median %.2f ms%s, mean %.2f ms%s, 95 %% %.2f ms", report.all.median_ms,
                 in_yardsticks(report.all.median_ms, y).c_str(), report.all.mean_ms,
@@ -208,8 +231,11 @@ std::string to_table(const BenchReport& report) {
   if (const auto& a = report.absent)
     out += format("absent parts: %zu false accepts in %zu images; recall at the suggested threshold %.1f %%\n",
                   a->false_accepts, a->images, 100 * a->recall_at_threshold);
+  out += losses(report);
   if (!report.failures.empty()) out += "not correct:\n";
-  for (const Failure& f : report.failures) out += "  " + f.image + ": " + f.why + "\n";
+  for (const Failure& f : report.failures)
+    out += "  " + f.image + ": " + f.why +
+           (f.loss ? "; lost at stage " + f.loss->stage + " (" + f.loss->why + ")" : "") + "\n";
   return out;
 }
 

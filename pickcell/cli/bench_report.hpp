@@ -17,11 +17,13 @@ struct ClassFigures {
   std::size_t images = 0;
   std::size_t correct = 0;
   std::size_t strict = 0;
+  std::size_t loose = 0;
   double median_ms = 0;
   double mean_ms = 0;
   std::int64_t ncc_count = 0;  ///< sum over the pictures
 
   [[nodiscard]] double accuracy() const { return static_cast<double>(correct) / static_cast<double>(images); }
+  [[nodiscard]] double loose_rate() const { return static_cast<double>(loose) / static_cast<double>(images); }
   [[nodiscard]] double strict_rate() const { return static_cast<double>(strict) / static_cast<double>(images); }
 };
 
@@ -47,6 +49,7 @@ struct AbsentFigures {
 struct Failure {
   std::string image;
   std::string why;
+  std::optional<Loss> loss;
 };
 
 struct BenchReport {
@@ -54,6 +57,7 @@ struct BenchReport {
   std::string engine;
   int threads = 1;
   std::string isa;
+  bool loose = false;  ///< loose figures exist: one pose per picture
   ClassFigures all;
   double p95_ms = 0;
   std::optional<double> teach_ms;  ///< median per template

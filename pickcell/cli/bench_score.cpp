@@ -13,6 +13,8 @@ constexpr double kCorrectPx = 3;
 constexpr double kCorrectOfDiagonal = 0.03;
 constexpr double kCorrectDeg = 3;
 constexpr double kCorrectScalePct = 5;
+constexpr double kLooseOfSide = 0.1;
+constexpr double kLooseDeg = 10;
 constexpr double kStrictPx = 1;
 constexpr double kStrictDeg = 1;
 /// A limit that is met exactly is met, although the error was computed in floating point.
@@ -47,6 +49,10 @@ bool is_correct(const PoseError& error, double diagonal_px) {
 bool is_strict(const PoseError& error, double diagonal_px) {
   return is_correct(error, diagonal_px) && error.position_px <= kStrictPx + kRounding &&
          error.angle_deg <= kStrictDeg + kRounding;
+}
+
+bool is_loose(const PoseError& error, double shorter_side_px) {
+  return error.position_px <= kLooseOfSide * shorter_side_px + kRounding && error.angle_deg <= kLooseDeg + kRounding;
 }
 
 ImageScore score_one(std::span<const matches::Match> found, const TruthPose& truth, double diagonal_px,

@@ -26,6 +26,9 @@ struct PoseError {
 /// Correct, and within 1 px and 1 deg.
 [[nodiscard]] bool is_strict(const PoseError& error, double diagonal_px);
 
+/// The paper's kind of finding: centre within 10 % of the template's shorter side, angle within 10 deg, any scale.
+[[nodiscard]] bool is_loose(const PoseError& error, double shorter_side_px);
+
 /// One match that found a true pose.
 struct Hit {
   std::size_t match = 0;

@@ -31,6 +31,12 @@ SimulationConfig read_simulation(core::Config table) {
     if (!known) table.problem("kinds", "names '" + kind + "', which no simulated part is called");
   }
   out.parts_per_pitch = static_cast<int>(table.integer_or("parts_per_pitch", out.parts_per_pitch));
+  out.camera_width_px = static_cast<int>(table.integer_or("camera_width_px", out.camera_width_px));
+  out.camera_height_px = static_cast<int>(table.integer_or("camera_height_px", out.camera_height_px));
+  if (out.camera_width_px < 160 || out.camera_width_px > 4096)
+    table.problem("camera_width_px", "must be within 160 and 4096");
+  if (out.camera_height_px < 120 || out.camera_height_px > 4096)
+    table.problem("camera_height_px", "must be within 120 and 4096");
   if (out.parts_per_pitch < 1 || out.parts_per_pitch > 20) table.problem("parts_per_pitch", "must be within 1 and 20");
   out.segment_pause_s = table.number_or("segment_pause_s", 0);
   if (out.segment_pause_s < 0) table.problem("segment_pause_s", "must not be negative");
@@ -76,7 +82,7 @@ core::Result<std::vector<matches::Model>> load_models(const cell::CellConfig& co
 }
 
 core::Result<cell::Vision> make_vision(const cell::CellConfig& config, const frames::SourceInfo& source,
-                                       std::int64_t now_unix_us) {
+                                       std::int64_t now_unix_us, const CellRunOptions& options) {
   auto camera = poses::load_camera(config.calibration.camera);
   if (!camera) return core::forward(camera);
   auto plane = poses::load_plane(config.calibration.plane);
@@ -86,7 +92,7 @@ core::Result<cell::Vision> make_vision(const cell::CellConfig& config, const fra
   if (auto fits = poses::check_fits(*camera, *plane, use); !fits) return core::forward(fits);
   auto models = load_models(config);
   if (!models) return core::forward(models);
-  auto engine = matches::make_engine("best", {});
+  auto engine = matches::make_engine(options.engine, options.engine_settings);
   if (!engine) return core::forward(engine);
   return cell::Vision(std::move(*engine), std::move(*models),
                       {std::move(*camera), std::move(*plane), config.calibration.max_age_days});
@@ -185,7 +191,9 @@ core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
 
 SimulatedPlant::SimulatedPlant(const SimulationConfig& config, const core::Clock& clock)
     : world(world_settings(config)),
-      camera(sim::default_camera(world.settings().T_base_plane, config.seed), world, clock) {}
+      camera(sim::resized(sim::default_camera(world.settings().T_base_plane, config.seed), config.camera_width_px,
+                          config.camera_height_px),
+             world, clock) {}
 
 core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& options) {
   CellSetup setup;
@@ -201,7 +209,7 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
 
   auto source = make_source(setup, file);
   if (!source) return core::forward(source);
-  auto vision = make_vision(file.cell, (*source)->info(), setup.clock->unix_us());
+  auto vision = make_vision(file.cell, (*source)->info(), setup.clock->unix_us(), options);
   if (!vision) return core::forward(vision);
   cell::CellSettings settings = cell::settings_from(file.cell, vision->models());
   settings.simulated = setup.plant != nullptr;

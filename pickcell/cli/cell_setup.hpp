@@ -14,6 +14,7 @@
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/result.hpp"
 #include "pickcell/frames/frame_source.hpp"
+#include "pickcell/matches/engine.hpp"
 #include "pickcell/robot/robot.hpp"
 #include "pickcell/sim/camera.hpp"
 #include "pickcell/sim/controller.hpp"
@@ -26,6 +27,8 @@ struct SimulationConfig {
   std::uint64_t seed = 1;
   std::vector<std::string> kinds = {"bracket_l", "gear_18", "label_box"};
   int parts_per_pitch = 4;
+  int camera_width_px = 1280;  ///< over the same field of view
+  int camera_height_px = 1024;
   RobotProtocol protocol = RobotProtocol::tcp80;  ///< spoken with the simulated controller; not in the file
   double segment_pause_s = 0;  ///< wall time between the controller's OK and its result; real ones need some
 };
@@ -50,6 +53,8 @@ struct SimulatedPlant {
 
 struct CellRunOptions {
   std::int64_t stop_after_picks = 0;  ///< > 0: starts by itself and stands when so many are dealt with
+  std::string engine = "best";        ///< of the matcher, with its settings
+  matches::Settings engine_settings{};
 };
 
 /// Everything that lives as long as the cell does. Each member stands on those above it, so it is torn down from the

@@ -28,7 +28,7 @@ Json match_json(const Match& m) {
 Json stage_json(const matches::StageReport& s) {
   Json out = Json::object();
   out.set("stage", s.stage).set("population", s.population).set("survivors", s.survivors);
-  return out.set("ncc_count", s.ncc_count).set("ms", s.ms);
+  return out.set("ncc_count", s.ncc_count).set("feature_count", s.feature_count).set("ms", s.ms);
 }
 
 std::string match_words(const Match& m) {
@@ -69,10 +69,10 @@ void print_words(const MatchedPicture& picture, bool explain, std::ostream& out)
   for (const auto& r : picture.found.rejected)
     out << "  rejected (" << name(r.reason) << ", " << name(r.stage) << "): " << match_words(r.match) << "\n";
   for (const auto& s : picture.found.stages) {
-    char text[160];
-    std::snprintf(text, sizeof(text), "  stage %s: %lld in, %lld out, %lld correlations, %.2f ms\n", s.stage.c_str(),
-                  static_cast<long long>(s.population), static_cast<long long>(s.survivors),
-                  static_cast<long long>(s.ncc_count), s.ms);
+    char text[200];
+    std::snprintf(text, sizeof(text), "  stage %s: %lld in, %lld out, %lld correlations, %lld comparisons, %.2f ms\n",
+                  s.stage.c_str(), static_cast<long long>(s.population), static_cast<long long>(s.survivors),
+                  static_cast<long long>(s.ncc_count), static_cast<long long>(s.feature_count), s.ms);
     out << text;
   }
 }

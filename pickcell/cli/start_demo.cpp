@@ -47,15 +47,26 @@ std::string text(const char* format, Args... args) {
   return buffer;
 }
 
-core::Status teach_part(const fs::path& folder, const sim::TeachPicture& taken, const std::string& date) {
+/// A rectangle of that size about the middle of the part.
+matches::SearchOptions::Roi around(const sim::TeachPicture& taken, DemoOptions::TemplateSize size) {
+  const int x = taken.roi_x + taken.roi_w / 2 - size.w / 2, y = taken.roi_y + taken.roi_h / 2 - size.h / 2;
+  return {std::clamp(x, 0, taken.picture.width() - size.w), std::clamp(y, 0, taken.picture.height() - size.h), size.w,
+          size.h};
+}
+
+core::Status teach_part(const fs::path& folder, const sim::TeachPicture& taken, const DemoOptions& options,
+                        const std::string& date) {
   const std::string& kind = taken.kind;
   if (auto saved = image::save_png(folder / (kind + ".png"), taken.picture.view()); !saved) return saved;
   matches::TeachInput input;
   input.name = kind;
   input.date = date;
   input.picture = taken.picture.view();
-  input.mask = taken.mask.view();
   input.roi = matches::SearchOptions::Roi{taken.roi_x, taken.roi_y, taken.roi_w, taken.roi_h};
+  if (options.template_px)
+    input.roi = around(taken, *options.template_px);
+  else
+    input.mask = taken.mask.view();
   input.ref_px = {taken.ref_x_px, taken.ref_y_px};
   for (const sim::GraspPixel& g : taken.grasps) input.grasps.push_back({g.x_px, g.y_px, g.angle_deg, g.sym180});
   input.scale = kScale;
@@ -107,6 +118,10 @@ std::string cell_toml(const DemoOptions& options, const sim::WorldSettings& worl
       "[feed]\nkind = \"indexed\"\nadvance_contact = 27010\nmoving_contact = 11\n\n"
       "[server]\nlisten = \"127.0.0.1:8080\"\n\n";
   out += text("[sim]\nseed = %llu\nkinds = [%s]\n", static_cast<unsigned long long>(options.seed), kinds.c_str());
+  const DemoOptions usual;
+  if (options.parts_per_pitch != usual.parts_per_pitch) out += text("parts_per_pitch = %d\n", options.parts_per_pitch);
+  if (options.camera_width_px != usual.camera_width_px || options.camera_height_px != usual.camera_height_px)
+    out += text("camera_width_px = %d\ncamera_height_px = %d\n", options.camera_width_px, options.camera_height_px);
   const double floor_mm = core::mm_from_m(world.T_base_plane.translation_m().z());
   for (std::size_t i = 0; i < options.kinds.size(); ++i) {
     const TraySite& tray = kTrays[i];
@@ -152,10 +167,11 @@ core::Result<fs::path> prepare_demo(const fs::path& folder, const DemoOptions& o
   fs::create_directories(folder, problem);
   if (problem) return failure(ErrorCode::unreadable, folder.string(), problem.message());
   const sim::WorldSettings world = sim::default_world(options.seed);
-  const sim::CameraSettings camera = sim::default_camera(world.T_base_plane, options.seed);
+  const sim::CameraSettings camera = sim::resized(sim::default_camera(world.T_base_plane, options.seed),
+                                                  options.camera_width_px, options.camera_height_px);
   const std::string date = core::iso_utc(options.now_unix_us);
   for (const sim::TeachPicture& taken : sim::take_teach_pictures(options.kinds, camera, world.T_base_plane))
-    if (auto taught = teach_part(folder, taken, date); !taught) return core::forward(taught);
+    if (auto taught = teach_part(folder, taken, options, date); !taught) return core::forward(taught);
   if (auto written = write_calibration(folder, camera, world, date); !written) return core::forward(written);
   const fs::path file = folder / "CELL.toml";
   if (auto written = core::write_file_atomically(file, cell_toml(options, world)); !written)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,14 @@ struct DemoOptions {
   std::uint64_t seed = 1;
   std::int64_t now_unix_us = 0;                                            ///< date of models and calibrations
   std::vector<std::string> kinds = {"bracket_l", "gear_18", "label_box"};  ///< at most four
+  int camera_width_px = 1280;
+  int camera_height_px = 1024;
+  int parts_per_pitch = 4;
+  /// Templates of this size about the part, without a mask (the paper's); unset: as large as the part, with its mask.
+  struct TemplateSize {
+    int w, h;
+  };
+  std::optional<TemplateSize> template_px{};
 };
 
 /// Photographs each kind with the simulated camera, teaches it, and writes PART.pcm, camera.toml, plane.toml (what a

@@ -2,6 +2,7 @@
 
 #include "pickcell/core/config.hpp"
 #include "pickcell/matches/best_engine.hpp"
+#include "pickcell/matches/rst_engine.hpp"
 
 namespace pickcell::matches {
 
@@ -11,10 +12,14 @@ core::Result<std::unique_ptr<Engine>> make_engine(std::string_view name, const S
     if (!parsed) return core::forward(parsed);
     return std::unique_ptr<Engine>(std::make_unique<BestEngine>(*parsed));
   }
-  const std::string what = "engine " + std::string(name);
-  if (name == "rst" || name == "erst")
-    return core::failure(core::ErrorCode::usage, what, "it is not built yet", "use --engine best");
-  return core::failure(core::ErrorCode::usage, what, "there is no such engine", "known engines: best");
+  if (name == "rst" || name == "erst") {
+    auto parsed = parse_rst_settings(settings, name);
+    if (!parsed) return core::forward(parsed);
+    const RstVariant variant = name == "rst" ? RstVariant::rst : RstVariant::erst;
+    return std::unique_ptr<Engine>(std::make_unique<RstEngine>(variant, std::move(*parsed)));
+  }
+  return core::failure(core::ErrorCode::usage, "engine " + std::string(name), "there is no such engine",
+                       "known engines: best, rst, erst");
 }
 
 }  // namespace pickcell::matches

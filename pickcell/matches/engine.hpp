@@ -27,6 +27,8 @@ struct SearchOptions {
   std::optional<double> budget_ms;  ///< thread CPU time; what was found so far is returned
   int threads = 1;                  ///< 0: all
   bool explain = false;             ///< fill FindResult::rejected
+  /// With explain: candidates near this pose are reported before others (rst, erst: also what step 1 saw there).
+  std::optional<Pose2d> watch;
   struct Roi {
     int x, y, w, h;
   };
@@ -38,8 +40,9 @@ struct StageReport {
   std::string stage;
   std::int64_t population = 0;  ///< candidates that entered
   std::int64_t survivors = 0;
-  std::int64_t ncc_count = 0;  ///< full correlations evaluated
-  double ms = 0;               ///< CPU time of the calling thread
+  std::int64_t ncc_count = 0;      ///< correlations of the template with the picture
+  double ms = 0;                   ///< CPU time of the calling thread
+  std::int64_t feature_count = 0;  ///< comparisons of short feature vectors (rst, erst: circles, lines)
 };
 
 struct FindResult {
@@ -72,7 +75,8 @@ class Engine {
 /// KEY=VALUE settings of an engine (--set, --params); every key must be known to the engine.
 using Settings = std::map<std::string, std::string>;
 
-/// name: "best". Unknown names and unknown or malformed settings are usage errors that name the known ones.
+/// name: "best", "rst" or "erst". Unknown names and unknown or malformed settings are usage errors that name the known
+/// ones.
 [[nodiscard]] core::Result<std::unique_ptr<Engine>> make_engine(std::string_view name, const Settings& settings);
 
 }  // namespace pickcell::matches

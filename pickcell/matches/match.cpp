@@ -30,6 +30,16 @@ const char* name(Stage stage) {
       return "fine";
     case Stage::final:
       return "final";
+    case Stage::circular:
+      return "circular";
+    case Stage::radial:
+      return "radial";
+    case Stage::templates:
+      return "template";
+    case Stage::robust:
+      return "robust";
+    case Stage::merge:
+      return "merge";
   }
   return "final";
 }

@@ -32,7 +32,8 @@ struct Match {
 enum class RejectReason { score, overlap, contrast, border, budget, scale, limit };
 [[nodiscard]] const char* name(RejectReason reason);
 
-enum class Stage { coarse, fine, final };
+/// best: coarse, fine, final. rst and erst: the filters of the paper in their order, and the merging.
+enum class Stage { coarse, fine, final, circular, radial, templates, robust, merge };
 [[nodiscard]] const char* name(Stage stage);
 
 struct Rejected {

@@ -60,6 +60,19 @@ CameraSettings default_camera(const core::Transform<core::Base, core::Plane>& T_
   return settings;
 }
 
+CameraSettings resized(CameraSettings camera, int width_px, int height_px) {
+  Intrinsics& in = camera.intrinsics;
+  if (in.width_px == width_px && in.height_px == height_px) return camera;
+  const double k = static_cast<double>(width_px) / in.width_px;
+  in.fx_px *= k;
+  in.fy_px *= k;
+  in.cx_px = (in.cx_px + 0.5) * k - 0.5;
+  in.cy_px = (in.cy_px + 0.5 - 0.5 * in.height_px) * k + 0.5 * height_px - 0.5;
+  in.width_px = width_px;
+  in.height_px = height_px;
+  return camera;
+}
+
 SimulatedCamera::SimulatedCamera(CameraSettings settings, World& world, const core::Clock& clock)
     : settings_(std::move(settings)),
       world_(world),

@@ -34,6 +34,9 @@ struct CameraSettings {
 [[nodiscard]] CameraSettings default_camera(const core::Transform<core::Base, core::Plane>& T_base_plane,
                                             std::uint64_t seed);
 
+/// The same camera with another sensor over the same field in x; in y as much as its height shows, centred.
+[[nodiscard]] CameraSettings resized(CameraSettings camera, int width_px, int height_px);
+
 /// Where a part truly was in a frame, at mid-exposure.
 struct SeenPart {
   PartTruth truth;

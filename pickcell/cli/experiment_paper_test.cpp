@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "pickcell/cli/bench_dataset.hpp"
+#include "pickcell/cli/experiment.hpp"
+#include "pickcell/cli/paper_pictures.hpp"
+#include "pickcell/core/json.hpp"
+#include "pickcell/image/codec.hpp"
+
+namespace pickcell::cli {
+namespace {
+
+/// A folder of its own that goes with the test.
+class PaperExperiment : public ::testing::Test {
+ protected:
+  PaperExperiment() {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    options_.out = std::filesystem::temp_directory_path() /
+                   (std::string("pickcell_paper_") + test->name() + "_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(options_.out);
+    options_.json = true;
+  }
+  ~PaperExperiment() override { std::filesystem::remove_all(options_.out); }
+
+  core::Json run(const std::string& name, int n) {
+    options_.n = n;
+    std::ostringstream out, err;
+    Io io{out, err};
+    for (const Experiment& e : experiments())
+      if (e.name == name) {
+        const auto code = e.run(options_, io);
+        EXPECT_TRUE(code) << code.error().line();
+      }
+    auto parsed = core::parse_json(out.str(), "figures");
+    EXPECT_TRUE(parsed);
+    return parsed ? *parsed : core::Json();
+  }
+  ExperimentOptions options_;
+};
+
+TEST_F(PaperExperiment, Fig9FindsASmallAngleToAHalfDegree) {
+  const core::Json rows = run("fig9", 1);
+  ASSERT_EQ(rows.items().size(), 1u);
+  for (const char* engine : {"rst", "erst", "best"}) EXPECT_NEAR(*rows.items()[0][engine].number(), 2, 0.5) << engine;
+  EXPECT_TRUE(std::filesystem::exists(options_.out / "fig9_2_rst.png"));
+}
+
+TEST_F(PaperExperiment, Table2WritesASetThatBenchReads) {
+  const core::Json figures = run("table2", 1);
+  EXPECT_EQ(*figures["table2"]["rst"]["medium"]["images"].number(), 5);
+  const auto set = load_dataset(options_.out / "set");
+  ASSERT_TRUE(set) << set.error().line();
+  EXPECT_EQ(set->images.size(), 5u);
+  EXPECT_TRUE(std::filesystem::exists(options_.out / "table2.md"));
+}
+
+}  // namespace
+}  // namespace pickcell::cli

@@ -1,0 +1,56 @@
+#pragma once
+/// The settings of the engines `rst` and `erst` (--set, --params). Defaults are the paper's (Le, Li, Guo, Lien); what
+/// it does not have is off. Sources of the options: Kim & de Araujo, PSIVT 2007, with their errata.
+
+#include <optional>
+#include <vector>
+
+#include "pickcell/core/result.hpp"
+#include "pickcell/matches/engine.hpp"
+
+namespace pickcell::matches {
+
+/// erst: the original RST as the paper embeds it; rst: the paper's fast method. Only steps 2 and 4 differ.
+enum class RstVariant { erst, rst };
+
+enum class RadialLength { largest, matched };       ///< lines of the largest scale, or of the candidate's
+enum class WindowMask { rect, disc };               ///< pixels of the template that steps 3 and 4 compare
+enum class LocationSearch { quadrant, symmetric };  ///< step 4 of rst: from the block's corner, or all around
+
+struct RstSettings {
+  std::optional<int> pyramid_level;           ///< NP; unset: by the template's size
+  std::optional<std::vector<double>> scales;  ///< unset: by the asked-for range
+  std::optional<int> scale_count;             ///< NS: so many in geometric progression over the range
+  int smooth =
+      1;  ///< passes of [1 2 1] / 4 over template and picture at level NP: the paper does not name its pyramid filter
+  int circles = 10;          ///< NC
+  int angle_step_deg = 10;   ///< alpha, a divisor of 360
+  double t1 = 0.84;          ///< circular filter
+  double t2 = 0.70;          ///< radial filter
+  double t3 = 0.70;          ///< template filter
+  std::optional<double> t4;  ///< robust filter; unset: SearchOptions::min_score, or t3
+  RadialLength radial_length = RadialLength::largest;
+  int step3_tolerance = 0;      ///< 1: also the neighbouring scales and angles, the best is kept
+  double suppress_px = 0;       ///< pixels of level NP between candidates of step 4; 0: keep all
+  double t_contrast = 0;        ///< step 1: contrast ratio within (t, 1/t); 0: off
+  double t_brightness = 1;      ///< step 1: brightness change at most this part of the range; 1: off
+  bool match_negative = false;  ///< also find the negative of the template
+  WindowMask mask = WindowMask::rect;
+  LocationSearch location = LocationSearch::quadrant;
+  double min_inside = 0.8;       ///< share of the window that must lie inside the picture
+  bool refine_subpixel = false;  ///< refinement of engine `best` on what was found
+};
+
+/// engine: "rst" or "erst", for the errors. Unknown keys and malformed values are usage errors that name the known
+/// keys.
+[[nodiscard]] core::Result<RstSettings> parse_rst_settings(const Settings& settings, std::string_view engine);
+
+/// NP by the template's size: 1 for 40..100 px, 2 for 100..200, 3 above. The size of a template that is not square is the
+/// side of the square of its area: by its shorter side, 250 x 64 would be small and cost sixteen times as much.
+[[nodiscard]] int pyramid_level_for(int width, int height);
+
+/// Scales for a range: {lo} when it is a point; {0.9, 1, 1.1} for exactly that range; else 1 + ceil(ln(hi/lo)/ln 1.12)
+/// in geometric progression, or `count` when given. Ascending.
+[[nodiscard]] std::vector<double> scales_for(Range range, std::optional<int> count);
+
+}  // namespace pickcell::matches
