@@ -67,7 +67,7 @@ struct Watch {
   const CameraCommand& command;
   Io& io;
   Rhythm rhythm{};
-  std::uint64_t got = 0;
+  std::uint64_t got = 0, reconnects = 0;
 
   core::Status follow() {
     core::RealClock clock;
@@ -80,6 +80,10 @@ struct Watch {
         return core::forward(frame);
       }
       ++got;
+      if (const auto times = source.counters().reconnects; times != reconnects) {
+        reconnects = times;
+        rhythm.interrupt();
+      }
       rhythm.add(*frame);
       if (!command.out.empty())
         if (auto saved = record(command.out, *frame); !saved) return saved;

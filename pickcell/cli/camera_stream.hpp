@@ -45,6 +45,8 @@ class CameraLog {
 class Rhythm {
  public:
   void add(const frames::Frame& frame);
+  /// The camera was away: the time until the next exposure tells nothing.
+  void interrupt() { last_.reset(); }
   [[nodiscard]] std::optional<double> rate_hz() const;
   /// Standard deviation of the time from one exposure to the next.
   [[nodiscard]] std::optional<double> jitter_us() const;

@@ -168,9 +168,10 @@ core::Result<std::unique_ptr<CameraDevice>> connect_aravis(const std::string& na
   auto camera = aravis::open(*located);
   if (!camera) return core::forward(camera);
   if (auto set = aravis::apply(camera->get(), located->shown, settings); !set) return core::forward(set);
-  auto stream = aravis::make_stream(camera->get(), located->shown, settings, kBuffers);
+  std::optional<int> socket;
+  auto stream = aravis::make_stream(camera->get(), located->shown, settings, kBuffers, &socket);
   if (!stream) return core::forward(stream);
-  DeviceInfo info = aravis::describe(camera->get(), *located, settings);
+  DeviceInfo info = aravis::describe(camera->get(), *located, settings, socket);
   if (pixel_format(info.settings.pixel_format) == nullptr)
     return failure(ErrorCode::device, located->shown,
                    "sends " + info.settings.pixel_format + ", which is not understood",

@@ -1,10 +1,13 @@
 #include "pickcell/frames/aravis_setup.hpp"
 
 #include <arv.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
-#include <mutex>
+#include <filesystem>
 
 #include "pickcell/frames/gvcp_probe.hpp"
 
@@ -157,13 +160,35 @@ int socket_bytes(const CameraSettings& s, std::size_t payload) {
   return static_cast<int>(std::min<std::size_t>(std::max(kLeastSocket, 4 * payload), std::size_t{1} << 28));
 }
 
-std::optional<long> kernel_limit() {
-  std::FILE* file = std::fopen("/proc/sys/net/core/rmem_max", "r");
-  if (file == nullptr) return std::nullopt;
-  long value = 0;
-  const bool read = std::fscanf(file, "%ld", &value) == 1;
-  (void)std::fclose(file);
-  return read ? std::optional(value) : std::nullopt;
+bool is_bound_to(int fd, std::uint16_t port) {
+  sockaddr_in own{};
+  socklen_t length = sizeof own;
+  int type = 0;
+  socklen_t type_length = sizeof type;
+  return ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &type_length) == 0 && type == SOCK_DGRAM &&
+         ::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &length) == 0 && own.sin_family == AF_INET &&
+         ntohs(own.sin_port) == port;
+}
+
+/// Makes the receive buffer of the stream's socket so large; gives what the kernel granted. Aravis does so only when
+/// the first packet has come, too late for the first frame, and keeps its socket to itself: it is found by its port.
+std::optional<int> enlarge_socket(ArvStream* stream, int bytes) {
+  const guint16 port = arv_gv_stream_get_port(ARV_GV_STREAM(stream));
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", ignored)) {
+    const std::string name = entry.path().filename().string();
+    int fd = -1;
+    if (std::from_chars(name.data(), name.data() + name.size(), fd).ec != std::errc() || !is_bound_to(fd, port))
+      continue;
+    // Beyond the limit of the system only with privilege.
+    if (::setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0)
+      (void)::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    int granted = 0;
+    socklen_t length = sizeof granted;
+    if (::getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &granted, &length) == 0)
+      return granted / 2;  // the kernel counts double
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -203,7 +228,7 @@ core::Status apply(ArvCamera* camera, const std::string& shown, const CameraSett
 }
 
 core::Result<Held<ArvStream>> make_stream(ArvCamera* camera, const std::string& shown, const CameraSettings& s,
-                                          int buffers) {
+                                          int buffers, std::optional<int>* granted_socket) {
   Problem problem;
   Held<ArvStream> stream(arv_camera_create_stream(camera, nullptr, nullptr, problem.out()));
   if (!stream)
@@ -212,15 +237,19 @@ core::Result<Held<ArvStream>> make_stream(ArvCamera* camera, const std::string& 
   if (problem || payload == 0 || payload > 1U << 30)
     return failure(ErrorCode::device, shown, "tells no usable size of its frames", "set pixel_format and roi_px");
   if (ARV_IS_GV_STREAM(stream.get())) {
+    const auto granted = enlarge_socket(stream.get(), socket_bytes(s, payload));
+    // 0: Aravis leaves the socket as it is now.
     g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
-                 socket_bytes(s, payload), "frame-retention", kRetention_us, nullptr);
+                 granted ? 0 : socket_bytes(s, payload), "frame-retention", kRetention_us, nullptr);
+    if (granted) *granted_socket = *granted;
     if (!s.resend) g_object_set(stream.get(), "packet-resend", ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
   }
   for (int i = 0; i < buffers; ++i) arv_stream_push_buffer(stream.get(), arv_buffer_new_allocate(payload));
   return stream;
 }
 
-DeviceInfo describe(ArvCamera* camera, const Located& located, const CameraSettings& s) {
+DeviceInfo describe(ArvCamera* camera, const Located& located, const CameraSettings& s,
+                    std::optional<int> granted_socket) {
   Problem p;
   const auto text = [](const char* t) { return std::string(t == nullptr ? "" : t); };
   DeviceInfo out;
@@ -255,10 +284,9 @@ DeviceInfo describe(ArvCamera* camera, const Located& located, const CameraSetti
   if (!gige) return out;
   facts.emplace_back("packet_bytes", std::to_string(arv_camera_gv_get_packet_size(camera, p.out())));
   const guint payload = arv_camera_get_payload(camera, p.out());
-  const int socket = socket_bytes(s, payload);
-  facts.emplace_back("socket_kib", std::to_string(socket / 1024));
-  if (const auto limit = kernel_limit(); limit && *limit < socket)
-    facts.emplace_back("socket_kib_granted", std::to_string(*limit / 1024));
+  facts.emplace_back("frame_kib", std::to_string(payload / 1024));
+  facts.emplace_back("socket_kib", std::to_string(socket_bytes(s, payload) / 1024));
+  if (granted_socket) facts.emplace_back("socket_kib_granted", std::to_string(*granted_socket / 1024));
   facts.emplace_back("loopback", on_loopback(located) ? "true" : "false");
   return out;
 }

@@ -2,6 +2,7 @@
 /// Opening and setting a camera through Aravis; shared by the files aravis_*.cpp alone.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,11 +47,14 @@ class Problem {
 /// Every setting that is set, in an order that cameras accept. Errors name the setting and what the camera allows.
 [[nodiscard]] core::Status apply(ArvCamera* camera, const std::string& shown, const CameraSettings& settings);
 
-/// Packet size and receive buffer chosen; buffers for so many frames are queued.
+/// Receive buffer chosen (granted_socket: what the kernel gave, bytes, of GigE Vision); buffers for so many frames are
+/// queued.
 [[nodiscard]] core::Result<Held<ArvStream>> make_stream(ArvCamera* camera, const std::string& shown,
-                                                        const CameraSettings& settings, int buffers);
+                                                        const CameraSettings& settings, int buffers,
+                                                        std::optional<int>* granted_socket);
 
-[[nodiscard]] DeviceInfo describe(ArvCamera* camera, const Located& located, const CameraSettings& settings);
+[[nodiscard]] DeviceInfo describe(ArvCamera* camera, const Located& located, const CameraSettings& settings,
+                                  std::optional<int> granted_socket);
 
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> features(ArvCamera* camera);
 
