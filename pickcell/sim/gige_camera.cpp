@@ -40,12 +40,11 @@ void put_row(std::span<const std::uint8_t> grey, ArvPixelFormat format, std::uin
 void fill(ArvBuffer* buffer, const image::Image& picture, ArvPixelFormat format) {
   int x0 = 0, y0 = 0, w = 0, h = 0;
   arv_buffer_get_image_region(buffer, &x0, &y0, &w, &h);
-  std::size_t size = 0;
-  auto* bytes = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &size)));
+  // How much was allocated Aravis does not tell; it calls only when a frame of this region and format fits.
+  auto* bytes = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
   const std::size_t step = ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
-  if (x0 < 0 || y0 < 0 || w < 1 || h < 1 || size < step * static_cast<std::size_t>(w) * static_cast<std::size_t>(h))
-    return;
-  std::memset(bytes, 0, size);
+  if (x0 < 0 || y0 < 0 || w < 1 || h < 1) return;
+  std::memset(bytes, 0, step * static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
   const int seen = std::clamp(picture.width() - x0, 0, w);
   for (int y = 0; y < h && y0 + y < picture.height() && seen > 0; ++y)
     put_row({picture.row(y0 + y) + x0, static_cast<std::size_t>(seen)}, format,
