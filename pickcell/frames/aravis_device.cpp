@@ -63,7 +63,10 @@ class AravisDevice final : public CameraDevice {
 
  private:
   void give_back() {
-    if (buffer_ != nullptr) arv_stream_push_buffer(stream_.get(), buffer_);
+    if (buffer_ == nullptr) return;
+    // A frame whose first packet is lost would still carry the number of the one before in the same buffer.
+    arv_buffer_set_frame_id(buffer_, 0);
+    arv_stream_push_buffer(stream_.get(), buffer_);
     buffer_ = nullptr;
   }
   [[nodiscard]] bool is_ours() const {
@@ -110,6 +113,7 @@ core::Result<std::optional<Arrival>> AravisDevice::next(milliseconds timeout) {
   Arrival arrival;
   arrival.id = arv_buffer_get_frame_id(buffer_);
   arrival.wholeness = wholeness_of(buffer_, arrival);
+  arrival.numbered = arrival.wholeness != Wholeness::incomplete || arrival.id != 0;
   if (arrival.wholeness == Wholeness::whole) {
     arrival.device_ns = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer_));
     arrival.began = steady_of(arv_buffer_get_system_timestamp(buffer_));

@@ -1,5 +1,7 @@
 #include "pickcell/frames/frame_ledger.hpp"
 
+#include <algorithm>
+
 namespace pickcell::frames {
 
 namespace {
@@ -40,12 +42,14 @@ Verdict FrameLedger::enter(std::uint64_t id, std::int64_t stamp_ns, Wholeness wh
     return Verdict::late;
   }
   if (steps) {
-    counters_.missing += static_cast<std::uint64_t>(*steps - 1);
+    const auto gap = static_cast<std::uint64_t>(*steps - 1);
+    counters_.missing += gap - std::min(gap, unnumbered_);
     sequence_ += static_cast<std::uint64_t>(*steps);
   } else {
     ++sequence_;
   }
   last_id_ = id;
+  unnumbered_ = 0;
   if (wholeness != Wholeness::incomplete) last_stamp_ns_ = stamp_ns;
   switch (wholeness) {
     case Wholeness::whole:
@@ -61,6 +65,12 @@ Verdict FrameLedger::enter(std::uint64_t id, std::int64_t stamp_ns, Wholeness wh
   return Verdict::torn;
 }
 
+Verdict FrameLedger::enter_unnumbered() {
+  ++unnumbered_;
+  ++counters_.incomplete;
+  return Verdict::incomplete;
+}
+
 void FrameLedger::too_old() {
   --counters_.frames;
   ++counters_.late;
@@ -74,6 +84,7 @@ void FrameLedger::not_a_picture() {
 void FrameLedger::restart() {
   last_id_.reset();
   last_stamp_ns_ = 0;
+  unnumbered_ = 0;
   wide_ = false;
 }
 

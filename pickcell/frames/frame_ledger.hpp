@@ -20,6 +20,8 @@ class FrameLedger {
   /// extended ids (then it passes 65535), others count on. stamp_ns: the camera's time stamp, 0 for none; the same
   /// twice is the same exposure twice.
   Verdict enter(std::uint64_t id, std::int64_t stamp_ns, Wholeness wholeness);
+  /// An incomplete arrival whose number is unknown: it stands for one of the gap that the next one leaves.
+  Verdict enter_unnumbered();
   /// A frame that was good but arrived too long after its exposure.
   void too_old();
   /// A frame that was good but whose bytes are no picture.
@@ -38,7 +40,8 @@ class FrameLedger {
   FrameCounters counters_;
   std::optional<std::uint64_t> last_id_;
   std::int64_t last_stamp_ns_ = 0;
-  bool wide_ = false;  ///< ids beyond 16 bits were seen
+  std::uint64_t unnumbered_ = 0;  ///< since the last numbered one
+  bool wide_ = false;             ///< ids beyond 16 bits were seen
   std::uint64_t sequence_ = 0;
 };
 

@@ -190,7 +190,8 @@ void LiveSource::take(const Arrival& arrival) {
     lost_.reset();
     ++reconnects_;
   }
-  const Verdict verdict = ledger_.enter(arrival.id, arrival.device_ns, arrival.wholeness);
+  const Verdict verdict =
+      arrival.numbered ? ledger_.enter(arrival.id, arrival.device_ns, arrival.wholeness) : ledger_.enter_unnumbered();
   if (verdict != Verdict::good) {
     if (verdict != Verdict::repeated) ++spoilt_;
     changed_.notify_all();

@@ -1,6 +1,7 @@
 #include "pickcell/frames/open_source.hpp"
 
 #include "pickcell/frames/file_source.hpp"
+#include "pickcell/frames/video_source.hpp"
 #ifdef PICKCELL_WITH_ARAVIS
 #include "pickcell/frames/aravis_device.hpp"
 #endif
@@ -57,8 +58,14 @@ core::Result<std::unique_ptr<FrameSource>> open_files(const std::string& source,
     return failure(ErrorCode::usage, source, "pictures in files take no camera settings", "leave them out");
   const std::filesystem::path given = rest(source);
   if (given.empty()) return failure(ErrorCode::usage, source, "names no folder or file", "files:FOLDER");
+  const FileSource::Options own{options.camera_id, options.fps, options.loop};
+  if (given == "-") return up<FrameSource>(VideoSource::open("-", own, clock));
   const std::filesystem::path path = given.is_relative() ? options.base / given : given;
-  return up<FrameSource>(FileSource::open(path, {options.camera_id, options.fps, options.loop}, clock));
+  std::error_code ignored;
+  const bool stream = std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored) &&
+                      path.extension() != ".txt";
+  if (stream) return up<FrameSource>(VideoSource::open(path.string(), own, clock));
+  return up<FrameSource>(FileSource::open(path, own, clock));
 }
 
 }  // namespace

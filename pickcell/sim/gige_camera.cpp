@@ -65,6 +65,7 @@ struct GigeCamera::Served {
   SimulatedCamera& camera;
   const core::Clock& clock;
   ArvGvFakeCamera* fake = nullptr;
+  std::shared_ptr<const image::Image> picture{};  ///< the last one; of the fake camera's thread
 
   ~Served() {
     if (fake != nullptr) g_object_unref(fake);
@@ -75,8 +76,9 @@ struct GigeCamera::Served {
     auto& served = *static_cast<Served*>(self);
     const core::TimePoint end = served.clock.now();
     const core::TimePoint begin = end - core::duration_s(exposure_us * 1e-6);
-    const frames::Frame frame = served.camera.expose_at(begin, exposure_us, gain_db);
-    fill(buffer, *frame.picture, format);
+    if (!served.settings.still || served.picture == nullptr)
+      served.picture = served.camera.expose_at(begin, exposure_us, gain_db).picture;
+    fill(buffer, *served.picture, format);
     arv_buffer_set_timestamp(buffer, static_cast<guint64>(end.time_since_epoch().count()));
   }
 

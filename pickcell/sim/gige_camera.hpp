@@ -17,6 +17,7 @@ class GigeCamera {
     std::string bind = "127.0.0.1";  ///< address of one of this machine's network interfaces
     std::string serial = "SIM01";    ///< at most 15 characters
     double fps = 5;                  ///< of free running
+    bool still = false;              ///< takes one picture only and sends it each time: rendering then costs no time
   };
 
   /// Answers at the address on the protocol's port (UDP 3956). camera and clock must outlive it; nobody else may expose
