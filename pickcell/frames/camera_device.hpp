@@ -33,6 +33,7 @@ struct DeviceInfo {
 struct Arrival {
   RawPicture picture;  ///< valid until the next call of next()
   Wholeness wholeness = Wholeness::whole;
+  bool numbered = true;                           ///< false: the part that carries the number is among what was lost
   std::uint64_t id = 0;                           ///< the camera's number of the exposure
   std::int64_t device_ns = 0;                     ///< the camera's time stamp; 0: none
   std::chrono::steady_clock::time_point began{};  ///< when its first bytes were here
