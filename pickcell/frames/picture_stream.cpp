@@ -126,13 +126,11 @@ bool PictureStream::read_y4m_header(const std::string& header) {
   }
   if (width_px_ < 1 || height_px_ < 1 || width_px_ > image::kMaxSidePx || height_px_ > image::kMaxSidePx) return false;
   const auto w = static_cast<std::size_t>(width_px_), h = static_cast<std::size_t>(height_px_);
-  if (w * h > image::kMaxPixels || chroma.find('p') != std::string_view::npos) {
-    // "420p10" has 16-bit samples; "420paldv" and "420mpeg2" do not.
-    if (w * h > image::kMaxPixels || !chroma.starts_with("420paldv")) return false;
-  }
-  if (chroma.starts_with("420"))
+  if (w * h > image::kMaxPixels) return false;
+  // By name, for "420p10" and the like have samples of 16 bits.
+  if (chroma == "420" || chroma == "420jpeg" || chroma == "420mpeg2" || chroma == "420paldv")
     chroma_bytes_ = (w + 1) / 2 * ((h + 1) / 2) * 2;
-  else if (chroma.starts_with("422"))
+  else if (chroma == "422")
     chroma_bytes_ = (w + 1) / 2 * h * 2;
   else if (chroma == "444")
     chroma_bytes_ = w * h * 2;

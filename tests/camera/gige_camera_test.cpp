@@ -25,6 +25,7 @@ constexpr int kFrames = 250, kRestarts = 2;
 class GigeCamera : public ::testing::Test {
  protected:
   void SetUp() override {
+    wait_for_turn();
     if (!std::filesystem::exists(FakeCamera::kProgram)) GTEST_SKIP() << "needs Debian's aravis-tools";
     if (frames::GvcpProbe(kLoopback).identify(milliseconds(100)))
       GTEST_SKIP() << "another GigE Vision camera is served on this machine's loopback";

@@ -15,6 +15,7 @@ namespace {
 class GigeCell : public ::testing::Test {
  protected:
   void SetUp() override {
+    wait_for_turn();
     if (frames::GvcpProbe(kLoopback).identify(std::chrono::milliseconds(100)))
       GTEST_SKIP() << "another GigE Vision camera is served on this machine's loopback";
     folder_ = std::filesystem::path(::testing::TempDir()) / ("pickcell_gige_" + std::to_string(getpid()));
