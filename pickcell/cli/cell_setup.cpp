@@ -148,6 +148,8 @@ core::Result<frames::FrameSource*> make_gige_source(CellSetup& setup) {
   frames::SourceOptions options;
   options.camera_id = camera.camera_id;
   options.settings.trigger = "software";
+  // While it renders, the served camera answers no questions; on a busy machine that takes a while.
+  options.lost_after = std::chrono::seconds(20);
   auto opened = frames::open_source(setup.plant->gige->source(), options, *setup.clock);
   if (!opened) return core::forward(opened);
   setup.source = std::move(*opened);

@@ -91,6 +91,7 @@ core::Result<std::unique_ptr<FrameSource>> open_source(const std::string& source
   LiveSource::Options live;
   live.camera_id = options.camera_id;
   live.policy = options.policy;
+  live.lost_after = options.lost_after;
   live.software_trigger = options.settings.software_triggered();
   live.readout_us = options.settings.readout_us.value_or(0);
   return up<FrameSource>(LiveSource::open(std::move(*connect), std::move(live), clock));

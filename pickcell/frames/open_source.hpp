@@ -1,6 +1,7 @@
 #pragma once
 /// SOURCE as people write it, in CELL.toml and on the command line: "aravis:NAME", "v4l2:/dev/videoN", "files:PATH".
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -19,6 +20,7 @@ struct SourceOptions {
   std::filesystem::path base;  ///< where relative paths start
   CameraSettings settings;     ///< of cameras
   LiveSource::Policy policy = LiveSource::Policy::newest;
+  std::chrono::milliseconds lost_after{600};  ///< of cameras: without a sign of life
 };
 
 /// Can this build open such a source? Nothing is opened. Errors: usage.
