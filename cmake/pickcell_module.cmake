@@ -4,8 +4,9 @@
 # a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and every *_test.cpp the
 # test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the module's headers
 # (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by tools/check_includes.py.
+# WITHOUT name prefixes leave out the files of options that are off.
 function(pickcell_module NAME)
-  cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE;WITHOUT" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp)
@@ -13,6 +14,11 @@ function(pickcell_module NAME)
   if(tests)
     list(REMOVE_ITEM sources ${tests})
   endif()
+  foreach(prefix IN LISTS M_WITHOUT)
+    list(FILTER sources EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.cpp$")
+    list(FILTER headers EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.hpp$")
+    list(FILTER tests EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.cpp$")
+  endforeach()
   set(target pickcell_${NAME})
   list(TRANSFORM M_DEPENDS PREPEND pickcell::)
   if(NOT sources)  # headers only

@@ -4,8 +4,9 @@
 
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
   libhwy-dev libpng-dev libjpeg-dev zlib1g-dev libsqlite3-dev libboost-dev)
+packages_aravis=(libaravis-dev)  # GigE Vision and USB3 Vision; some 80 MB, so only when it is asked for
 packages_check=(git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev
-  clang-format-19)
+  clang-format-19 "${packages_aravis[@]}" aravis-tools)  # aravis-tools: the fake camera that ours is judged against
 packages_fuzz=(clang-19)
 packages_hmi=()  # a Node that did not come from Debian's packages is as good
 command -v node >/dev/null || packages_hmi+=(nodejs)

@@ -39,6 +39,10 @@ CameraConfig read_camera(Config table) {
   out.fps = table.number_or("fps", 0);
   out.loop = table.boolean_or("loop", false);
   if (out.fps < 0) table.problem("fps", "must not be negative");
+  if (auto settings = table.table_if("settings"))
+    for (const std::string& key : settings->keys())
+      if (auto set = frames::set(out.settings, key, settings->text(key)); !set)
+        settings->problem(key, set.error().why + (set.error().remedy.empty() ? "" : "; " + set.error().remedy));
   return out;
 }
 

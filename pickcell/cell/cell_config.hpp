@@ -11,14 +11,16 @@
 
 #include "pickcell/core/config.hpp"
 #include "pickcell/core/result.hpp"
+#include "pickcell/frames/camera_settings.hpp"
 
 namespace pickcell::cell {
 
 struct CameraConfig {
-  std::string source;  ///< "sim" | "files:DIR" | "aravis:NAME" | "v4l2:/dev/videoN"
-  std::string id;      ///< empty: whatever the source says
-  double fps = 0;      ///< of "files:": pictures per second of the cell's clock; 0: as fast as asked
-  bool loop = false;   ///< of "files:": begin again after the last picture
+  std::string source;               ///< "sim" | "files:DIR" | "aravis:NAME" | "v4l2:/dev/videoN"
+  std::string id;                   ///< empty: whatever the source says
+  double fps = 0;                   ///< of "files:": pictures per second of the cell's clock; 0: as fast as asked
+  bool loop = false;                ///< of "files:": begin again after the last picture
+  frames::CameraSettings settings;  ///< of real cameras: the table [camera.settings]
 };
 
 struct RobotConfig {

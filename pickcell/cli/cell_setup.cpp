@@ -3,9 +3,10 @@
 #include <utility>
 
 #include "pickcell/cli/cell_job.hpp"
+#include "pickcell/cli/paced_source.hpp"
 #include "pickcell/cli/robot_link.hpp"
 #include "pickcell/core/units.hpp"
-#include "pickcell/frames/file_source.hpp"
+#include "pickcell/frames/open_source.hpp"
 #include "pickcell/matches/engine.hpp"
 #include "pickcell/matches/model_file.hpp"
 #include "pickcell/poses/calibration.hpp"
@@ -44,12 +45,11 @@ SimulationConfig read_simulation(core::Config table) {
 }
 
 core::Status check_source(const std::string& source, const std::filesystem::path& file) {
-  if (source == "sim" || source.starts_with("files:")) return {};
-  const bool planned = source.starts_with("aravis:") || source.starts_with("v4l2:");
-  return failure(ErrorCode::usage, file.string(),
-                 "'camera.source' is \"" + source + "\", " +
-                     (planned ? "which this version cannot open yet" : "which is no source of pictures"),
-                 "use \"sim\" or \"files:DIR\"");
+  if (source == "sim") return {};
+  auto known = frames::check_source(source);
+  if (known) return {};
+  return failure(ErrorCode::usage, file.string(), "'camera.source' is \"" + source + "\", which " + known.error().why,
+                 known.error().remedy);
 }
 
 /// The address behind [robot] link, in a protocol that can carry picks.
@@ -146,13 +146,45 @@ core::Status make_robot(CellSetup& setup, const CellFile& file) {
   return {};
 }
 
+/// The simulated camera as a device: served on loopback, opened like any other.
+core::Result<frames::FrameSource*> make_gige_source(CellSetup& setup) {
+#ifdef PICKCELL_WITH_ARAVIS
+  const sim::CameraSettings& camera = setup.plant->camera.settings();
+  auto served = sim::GigeCamera::switch_on({}, setup.plant->camera, *setup.clock);
+  if (!served) return core::forward(served);
+  setup.plant->gige = std::move(*served);
+  frames::SourceOptions options;
+  options.camera_id = camera.camera_id;
+  options.settings.trigger = "software";
+  // While it renders, the served camera answers no questions; on a busy machine that takes a while.
+  options.lost_after = std::chrono::seconds(20);
+  auto opened = frames::open_source(setup.plant->gige->source(), options, *setup.clock);
+  if (!opened) return core::forward(opened);
+  setup.source = std::move(*opened);
+  if (!setup.clock->simulated()) return setup.source.get();
+  setup.paced = std::make_unique<PacedSource>(*setup.source, core::duration_s(camera.exposure_us * 1e-6),
+                                              core::duration_s(camera.readout_us * 1e-6));
+  return setup.paced.get();
+#else
+  (void)setup;
+  return failure(ErrorCode::usage, "--camera gige", "this build has no support for GigE Vision",
+                 "build with -DPICKCELL_WITH_ARAVIS=ON (./start --camera gige does)");
+#endif
+}
+
 core::Result<frames::FrameSource*> make_source(CellSetup& setup, const CellFile& file) {
   const cell::CameraConfig& camera = file.cell.camera;
-  if (camera.source == "sim") return &setup.plant->camera;
-  const std::filesystem::path folder = camera.source.substr(std::string("files:").size());
-  const auto base = std::filesystem::absolute(file.cell.file).parent_path();
-  auto opened = frames::FileSource::open(folder.is_relative() ? base / folder : folder,
-                                         {camera.id, camera.fps, camera.loop}, *setup.clock);
+  if (camera.source == "sim") {
+    if (file.sim.camera_over_gige) return make_gige_source(setup);
+    return &setup.plant->camera;
+  }
+  frames::SourceOptions options;
+  options.camera_id = camera.id;
+  options.fps = camera.fps;
+  options.loop = camera.loop;
+  options.base = std::filesystem::absolute(file.cell.file).parent_path();
+  options.settings = camera.settings;
+  auto opened = frames::open_source(camera.source, options, *setup.clock);
   if (!opened) return core::forward(opened);
   setup.source = std::move(*opened);
   return setup.source.get();
@@ -166,6 +198,7 @@ CellSetup& CellSetup::operator=(CellSetup&& other) noexcept {
   clock = std::move(other.clock);
   plant = std::move(other.plant);
   source = std::move(other.source);
+  paced = std::move(other.paced);
   journal = std::move(other.journal);
   robot = std::move(other.robot);
   cell = std::move(other.cell);

@@ -18,6 +18,9 @@
 #include "pickcell/robot/robot.hpp"
 #include "pickcell/sim/camera.hpp"
 #include "pickcell/sim/controller.hpp"
+#ifdef PICKCELL_WITH_ARAVIS
+#include "pickcell/sim/gige_camera.hpp"
+#endif
 #include "pickcell/sim/world.hpp"
 
 namespace pickcell::cli {
@@ -30,7 +33,8 @@ struct SimulationConfig {
   int camera_width_px = 1280;  ///< over the same field of view
   int camera_height_px = 1024;
   RobotProtocol protocol = RobotProtocol::tcp80;  ///< spoken with the simulated controller; not in the file
-  double segment_pause_s = 0;  ///< wall time between the controller's OK and its result; real ones need some
+  bool camera_over_gige = false;  ///< the camera is reached through GigE Vision on loopback, as a real one
+  double segment_pause_s = 0;     ///< wall time between the controller's OK and its result; real ones need some
 };
 
 /// The whole of a cell file.
@@ -48,6 +52,9 @@ struct SimulatedPlant {
   SimulatedPlant(const SimulationConfig& config, const core::Clock& clock);
   sim::World world;
   sim::SimulatedCamera camera;
+#ifdef PICKCELL_WITH_ARAVIS
+  std::unique_ptr<sim::GigeCamera> gige;  ///< null unless the camera is reached over GigE Vision
+#endif
   std::unique_ptr<sim::Controller> controller;  ///< null unless the link is simulated
 };
 
@@ -68,6 +75,7 @@ struct CellSetup {
   std::unique_ptr<core::Clock> clock;
   std::unique_ptr<SimulatedPlant> plant;        ///< null for a real cell
   std::unique_ptr<frames::FrameSource> source;  ///< null when the plant's camera is used
+  std::unique_ptr<frames::FrameSource> paced;   ///< source on a simulated clock, where it is a device
   std::unique_ptr<cell::SqliteJournal> journal;
   std::unique_ptr<robot::Robot> robot;
   std::unique_ptr<cell::Cell> cell;

@@ -11,6 +11,9 @@
 #include "pickcell/cli/subcommand.hpp"
 #include "pickcell/core/config.hpp"
 #include "pickcell/core/file.hpp"
+#ifdef PICKCELL_WITH_ARAVIS
+#include "pickcell/sim/gige_camera.hpp"
+#endif
 #include "pickcell/sim/controller.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 #include "pickcell/sim/world.hpp"
@@ -33,6 +36,7 @@ struct Options {
 struct Setup {
   sim::ControllerSettings controller;
   std::uint64_t seed = 1;
+  bool camera = false;
   std::vector<sim::FaultEvent> scenario;
 };
 
@@ -40,12 +44,13 @@ struct Setup {
 constexpr double kSegmentPause_s = 0.02;
 constexpr int kRealPort = 80, kRealHsesPort = 10040, kRealMotoRosPort = 50240;
 
-core::Status refuse_missing_doors(const Options& o) {
-  const auto missing = [](const std::string& option, const std::string& what) {
-    return failure(ErrorCode::usage, option, what + " is not part of this version",
-                   "leave the option out: TCP 80, HSES and MotoROS are there");
-  };
-  if (o.camera) return missing("--camera", "the GigE Vision camera");
+/// What this build leaves out.
+core::Status refuse_missing_doors([[maybe_unused]] const Options& o) {
+#ifndef PICKCELL_WITH_ARAVIS
+  if (o.camera)
+    return failure(ErrorCode::usage, "--camera", "this build has no support for GigE Vision",
+                   "build with -DPICKCELL_WITH_ARAVIS=ON");
+#endif
   return {};
 }
 
@@ -158,6 +163,7 @@ core::Result<Setup> setup_of(const Options& o) {
     if (!arm) return core::forward(arm);
     c.model = *arm;
   }
+  setup.camera = o.camera && !o.no_camera;
   if (auto status = check(c); !status) return core::forward(status);
   return setup;
 }
@@ -192,6 +198,16 @@ core::Result<int> run(const Options& options, Io& io) {
   auto controller = sim::Controller::switch_on(setup->controller, clock, &world);
   if (!controller) return core::forward(controller);
   (*controller)->follow(std::move(setup->scenario));
+#ifdef PICKCELL_WITH_ARAVIS
+  sim::SimulatedCamera camera(sim::default_camera(world.settings().T_base_plane, setup->seed), world, clock);
+  std::unique_ptr<sim::GigeCamera> gige;
+  if (setup->camera) {
+    auto served = sim::GigeCamera::switch_on({setup->controller.bind}, camera, clock);
+    if (!served) return core::forward(served);
+    gige = std::move(*served);
+    io.err << "pickcell: camera: serving " << gige->source() << std::endl;
+  }
+#endif
   io.err << "pickcell: tcp80: listening on " << setup->controller.bind << ":" << (*controller)->tcp80_port()
          << "\npickcell: hses: listening on " << setup->controller.bind << ":" << (*controller)->hses_port()
          << ", files on the next port\npickcell: motoros: listening on " << setup->controller.bind << ":"
@@ -214,8 +230,8 @@ Runner add(CLI::App& app) {
   app.add_option("--model", o->model, "gp7, gp8 or motomini (gp7)");
   app.add_option("--controller", o->controller, "nx100, dx100, fs100, dx200 or yrc1000 (yrc1000)");
   app.add_option("--banner", o->banner, "NX, DX or YR (the controller's own)");
-  app.add_flag("--camera", o->camera, "not part of this version: refused");
-  app.add_flag("--no-camera", o->no_camera, "no camera door (as it is)");
+  auto* camera = app.add_flag("--camera", o->camera, "serve the simulated camera over GigE Vision (UDP 3956)");
+  app.add_flag("--no-camera", o->no_camera, "no camera (as it is)")->excludes(camera);
   app.add_option("--scenario", o->scenario, "faults to inject, [[event]] tables");
   return [o](Io& io) { return run(*o, io); };
 }

@@ -101,7 +101,6 @@ TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
   for (const auto& options : std::vector<std::vector<std::string>>{{"--hses-port", "65535"},
                                                                    {"--motoros-port", "65534"},
                                                                    {"--motoros-endian", "middle"},
-                                                                   {"--camera"},
                                                                    {"--model", "ur5"},
                                                                    {"--controller", "krc4"},
                                                                    {"--banner", "XX"},

@@ -28,9 +28,8 @@ struct Options {
 core::Status check(const Options& options) {
   if (options.robot != "tcp80" && options.robot != "hses")
     return failure(ErrorCode::usage, "--robot " + options.robot, "no protocol that carries picks", "use tcp80 or hses");
-  if (options.camera != "inprocess")
-    return failure(ErrorCode::usage, "--camera " + options.camera, "this version cannot simulate it yet",
-                   "use inprocess");
+  if (options.camera != "inprocess" && options.camera != "gige")
+    return failure(ErrorCode::usage, "--camera " + options.camera, "is no way to a camera", "use inprocess or gige");
   if (options.json && options.picks == 0)
     return failure(ErrorCode::usage, "--json", "there is a report with --picks only", "give --picks N too");
   if (options.picks > 0 && !(options.listen.empty() && options.web_root.empty()))
@@ -66,6 +65,12 @@ core::Result<int> run(const Options& options, Io& io) {
   if (options.robot != "tcp80" && file->cell.robot.link != "sim")
     return failure(ErrorCode::usage, "--robot " + options.robot, "the robot of " + options.cell + " is not simulated",
                    "say hses:// in its [robot] link");
+  if (options.camera == "gige") {
+    if (file->cell.camera.source != "sim")
+      return failure(ErrorCode::usage, "--camera gige", "the camera of " + options.cell + " is not simulated",
+                     "leave it out");
+    file->sim.camera_over_gige = true;
+  }
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
   if (!options.web_root.empty()) cell_run.web_root = options.web_root;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
+#include "pickcell/core/file.hpp"
 #include "pickcell/image/codec.hpp"
 
 namespace pickcell::frames {
@@ -35,6 +37,21 @@ core::Result<std::vector<fs::path>> pictures_in(const fs::path& folder) {
   return files;
 }
 
+core::Result<std::vector<fs::path>> pictures_listed_in(const fs::path& list) {
+  auto text = core::read_text_file(list);
+  if (!text) return core::forward(text);
+  std::vector<fs::path> files;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.pop_back();
+    if (line.empty() || line[0] == '#') continue;
+    const fs::path path = line;
+    files.push_back(path.is_relative() ? list.parent_path() / path : path);
+  }
+  if (files.empty()) return failure(ErrorCode::unreadable, list.string(), "names no picture", "write one path a line");
+  return files;
+}
+
 }  // namespace
 
 FileSource::FileSource(std::vector<fs::path> files, SourceInfo info, Options options, const core::Clock& clock)
@@ -46,7 +63,7 @@ FileSource::FileSource(std::vector<fs::path> files, SourceInfo info, Options opt
 
 core::Result<std::unique_ptr<FileSource>> FileSource::open(const fs::path& folder, Options options,
                                                            const core::Clock& clock) {
-  auto files = pictures_in(folder);
+  auto files = fs::is_regular_file(folder) ? pictures_listed_in(folder) : pictures_in(folder);
   if (!files) return core::forward(files);
   const auto first = image::load_grey(files->front());
   if (!first) return tl::unexpected(first.error());

@@ -1,5 +1,6 @@
 #pragma once
-/// "files:DIR": pictures of a folder instead of a camera, in the order of their names.
+/// "files:DIR": pictures of a folder instead of a camera, in the order of their names, or of a list (.txt), in its
+/// order.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +22,9 @@ class FileSource final : public FrameSource {
     bool loop = false;      ///< begin again after the last; otherwise the end is an error of kind negative
   };
 
-  /// Lists the .png .jpg .jpeg .bmp .pgm .ppm files of the folder and reads the first. Errors: unreadable (no folder,
+  /// A folder: lists the .png .jpg .jpeg .bmp .pgm .ppm files of the folder and reads the first. A
+  /// file: one path a line, relative ones start at the list; blank lines and lines that begin with # are passed over.
+  /// Errors: unreadable (no folder,
   /// no picture in it, first picture damaged).
   [[nodiscard]] static core::Result<std::unique_ptr<FileSource>> open(const std::filesystem::path& folder,
                                                                       Options options, const core::Clock& clock);

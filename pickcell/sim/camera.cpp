@@ -87,27 +87,36 @@ frames::SourceInfo SimulatedCamera::info() const {
 core::Result<frames::Frame> SimulatedCamera::grab(core::Seat& seat, core::Duration timeout) {
   const core::TimePoint begin = seat.now();
   const core::TimePoint middle = begin + microseconds(settings_.exposure_us / 2);
-  const core::TimePoint end = begin + microseconds(settings_.exposure_us);
-  const core::TimePoint done = end + microseconds(settings_.readout_us);
+  const core::TimePoint done = begin + microseconds(settings_.exposure_us + settings_.readout_us);
   if (done - begin > timeout) {
     seat.sleep_until(begin + timeout);
     return core::failure(core::ErrorCode::timeout, settings_.camera_id, "no picture within the time given",
                          "allow at least exposure and readout time");
   }
   seat.sleep_until(middle);
+  frames::Frame frame = expose_at(begin);
+  seat.sleep_until(done);
+  return frame;
+}
+
+frames::Frame SimulatedCamera::expose_at(core::TimePoint begin, std::optional<double> exposure_us, double gain_db) {
+  const double lasts_us = exposure_us.value_or(settings_.exposure_us);
+  const core::TimePoint middle = begin + microseconds(lasts_us / 2), end = begin + microseconds(lasts_us);
   frames::Frame frame;
   frame.sequence = ++sequence_;
   frame.exposed = middle;
-  frame.exposed_unix_us = clock_.unix_us();
+  frame.exposed_unix_us =
+      clock_.unix_us() + std::chrono::duration_cast<std::chrono::microseconds>(middle - clock_.now()).count();
   frame.encoder = std::llround(world_.belt_mm(middle) * settings_.counts_per_mm);
   frame.camera_id = settings_.camera_id;
   frame.simulated = true;
   remember(frame.sequence, middle);
   LightPlane light = smear(begin, end);
   blur(light, settings_.psf_sigma_px);
+  SensorSettings sensor = settings_.sensor;
+  sensor.gain *= lasts_us / settings_.exposure_us * std::pow(10.0, gain_db / 20);
   frame.picture =
-      std::make_shared<const image::Image>(expose(light, settings_.sensor, mix(settings_.seed) ^ mix(frame.sequence)));
-  seat.sleep_until(done);
+      std::make_shared<const image::Image>(expose(light, sensor, mix(settings_.seed) ^ mix(frame.sequence)));
   return frame;
 }
 

@@ -57,6 +57,11 @@ class SimulatedCamera final : public frames::FrameSource {
   /// smears it.
   [[nodiscard]] core::Result<frames::Frame> grab(core::Seat& seat, core::Duration timeout) override;
 
+  /// Without waiting: the exposure that begins at `begin`, with another time of exposure than the settings' where one
+  /// is given (the picture is brighter for it) and with gain_db on top. For a camera that is served to others.
+  [[nodiscard]] frames::Frame expose_at(core::TimePoint begin, std::optional<double> exposure_us = {},
+                                        double gain_db = 0);
+
   /// Of one of the last 1000 frames; empty for others.
   [[nodiscard]] std::vector<SeenPart> truth(std::uint64_t sequence) const;
   [[nodiscard]] const CameraSettings& settings() const { return settings_; }

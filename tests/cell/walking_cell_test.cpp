@@ -127,13 +127,13 @@ TEST_F(WalkingCell, EveryPickIsInTheRunFolder) {
 
 TEST_F(WalkingCell, WhatDoesNotExistYetIsRefused) {
   EXPECT_EQ(pickcell({"start", "--picks", "1", "--robot", "motoros"}).code, 2);
-  EXPECT_EQ(pickcell({"start", "--picks", "1", "--camera", "gige"}).code, 2);
+  EXPECT_EQ(pickcell({"start", "--picks", "1", "--camera", "tape"}).code, 2);
   EXPECT_EQ(pickcell({"start", "--pick", "1"}).code, 2);
   EXPECT_EQ(pickcell({"start", "--picks", "0"}).code, 2);
   EXPECT_EQ(pickcell({"serve", (folder_ / "missing.toml").string()}).code, 2);
   auto text = core::read_text_file(folder_ / "CELL.toml");
   ASSERT_TRUE(text);
-  for (const std::string other : {"source = \"v4l2:/dev/video0\"", "source = \"tape\""}) {
+  for (const std::string other : {"source = \"gige:cam\"", "source = \"tape\""}) {
     std::string changed = *text;
     changed.replace(changed.find("source = \"sim\""), 14, other);
     ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", changed));

@@ -1,0 +1,36 @@
+/// pickcell experiment latency: from the end of exposure to the matcher's start.
+
+#include <cstdio>
+#include <ostream>
+
+#include "pickcell/cli/experiment_latency_camera.hpp"
+
+namespace pickcell::cli {
+
+namespace {
+
+core::Result<int> run(const ExperimentOptions& options, Io& io) {
+  auto camera = measure_camera_latency(options);
+  if (!camera) return core::forward(camera);
+  if (options.json) {
+    core::Json out = core::Json::object();
+    out.set("camera", *camera);
+    io.out << out.dump() << "\n";
+    return 0;
+  }
+  const auto number = [&](const char* key) { return (*camera)[key].number().value_or(0); };
+  char line[200];
+  std::snprintf(line, sizeof line,
+                "camera, end of exposure to matcher: median %.2f ms, p99 %.2f ms, worst %.2f ms over %.0f frames, %.0f "
+                "lost\n",
+                number("median_ms"), number("p99_ms"), number("worst_ms"), number("frames"), number("lost"));
+  io.out << line;
+  return 0;
+}
+
+const ExperimentRegistration registered({"latency", "from the end of exposure to the matcher; --n frames (300)", false,
+                                         run});
+
+}  // namespace
+
+}  // namespace pickcell::cli
