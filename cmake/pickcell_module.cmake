@@ -1,17 +1,23 @@
-# pickcell_module(NAME [DEPENDS module...] [PUBLIC lib...] [PRIVATE lib...])
+# pickcell_module(NAME [DEPENDS module...] [PUBLIC lib...] [PRIVATE lib...] [WITHOUT regex])
+#
+# WITHOUT leaves out the .cpp files whose name matches: what an option switched off.
 #
 # The one way to declare a module: folder pickcell/NAME becomes the library pickcell::NAME from every .cpp in it, its headers
 # a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and every *_test.cpp the
 # test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the module's headers
 # (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by tools/check_includes.py.
 function(pickcell_module NAME)
-  cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(M "" "WITHOUT" "DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp)
   file(GLOB tests CONFIGURE_DEPENDS ${dir}/*_test.cpp)
   if(tests)
     list(REMOVE_ITEM sources ${tests})
+  endif()
+  if(M_WITHOUT)
+    list(FILTER sources EXCLUDE REGEX "/(${M_WITHOUT})\\.cpp$")
+    list(FILTER tests EXCLUDE REGEX "/(${M_WITHOUT})_test\\.cpp$")
   endif()
   set(target pickcell_${NAME})
   list(TRANSFORM M_DEPENDS PREPEND pickcell::)

@@ -4,7 +4,10 @@
 
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
   libhwy-dev libpng-dev libjpeg-dev zlib1g-dev libsqlite3-dev libboost-dev)
-packages_check=(git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev
+# OpenCV's detectors and Ceres, for calibrate (PICKCELL_WITH_CALIBRATION); about 600 MB with what they pull in, 1 to 2 minutes.
+packages_calibration=(libopencv-contrib-dev libceres-dev)
+packages_check=("${packages_calibration[@]}" git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev
+  libopencv-core-dev libopencv-imgproc-dev
   clang-format-19)
 packages_fuzz=(clang-19)
 packages_hmi=()  # a Node that did not come from Debian's packages is as good
