@@ -7,6 +7,7 @@
 #include "pickcell/core/result.hpp"
 #include "pickcell/poses/board.hpp"
 #include "pickcell/poses/camera_calibration.hpp"
+#include "pickcell/poses/handeye.hpp"
 
 namespace pickcell::poses {
 
@@ -14,5 +15,7 @@ namespace pickcell::poses {
 /// enlarged residuals. The pictures are read again from their paths (CameraView::image). Errors: unreadable.
 [[nodiscard]] core::Status write_camera_report(const std::filesystem::path& path, const Board& board,
                                                const CameraFit& fit);
+[[nodiscard]] core::Status write_handeye_report(const std::filesystem::path& path, const Board& board,
+                                                const HandeyeFit& fit);
 
 }  // namespace pickcell::poses
