@@ -26,7 +26,7 @@ constexpr Bounds kSpreadMm{0.3, 1, 2};
 constexpr Bounds kSpreadDeg{0.02, 0.1, 0.2};
 constexpr Bounds kPlaneMm{0.2, 0.6, 2.5};
 constexpr Bounds kPicturePx{0.5, 1, 2};
-constexpr double kBadPoseFactor = 3;  ///< times the usual share of the arm in a picture's error
+constexpr double kBadPoseFactor = 4;  ///< times the usual share of the arm in a picture's error
 constexpr double kLeastShare = 0.4;   ///< of the pictures' own error, below which the arm's share means nothing
 constexpr double kMostLeftOut = 0.4;  ///< of the pictures
 
@@ -271,10 +271,10 @@ core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
   if (!started) return core::forward(started);
   Work& work = *started;
   if (auto fine = check_motions(work); !fine) return core::forward(fine);
-  const Stations as_given = work.stations;
   auto robust = detail::solve_robustly(input.lens, input.board, work.stations);
   if (!robust)
     return failure(ErrorCode::negative, "hand-eye", "no solver gives a result", "record the poses again");
+  const Stations as_given = work.stations;
   HandeyeFit out;
   out.left_out = work.left_out;
   const std::size_t without_pose = work.left_out.size();

@@ -69,6 +69,14 @@ struct StationCost {
 
 HandEye refine(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m, const Stations& stations,
                const HandEye& start) {
+  // Ceres complains on stderr about a start that cannot be evaluated: points behind the camera.
+  for (const Station& s : stations) {
+    const Eigen::Isometry3d T_camera_board = (s.move * start.X).inverse() * start.Y;
+    for (const int id : s.view.ids) {
+      const Eigen::Vector2d& b = board_m[static_cast<std::size_t>(id)];
+      if ((T_camera_board * Eigen::Vector3d(b.x(), b.y(), 0)).z() < 1e-5) return start;
+    }
+  }
   Parameters X = parameters_of(start.X), Y = parameters_of(start.Y);
   ceres::Problem problem;
   for (const Station& s : stations) {
