@@ -38,11 +38,11 @@ core::Result<Size> shared_size(const std::vector<BoardPicture>& pictures) {
     ++count.second;
     if (p.view) ++count.first;
   }
-  const auto most = std::max_element(counts.begin(), counts.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   if (most->second.second < 3)
-    return failure(ErrorCode::negative, "pictures", "no size is shared by at least three of them (most: " +
-                                                        text(most->first) + ")",
+    return failure(ErrorCode::negative, "pictures",
+                   "no size is shared by at least three of them (most: " + text(most->first) + ")",
                    "take at least three pictures with one camera setting");
   return most->first;
 }
@@ -58,8 +58,8 @@ Sorted sort_pictures(const std::vector<BoardPicture>& pictures, const Size& size
   for (const BoardPicture& p : pictures) {
     if (p.view) ++out.found;
     if (Size(p.width_px, p.height_px) != size)
-      out.left_out.push_back({p.name, "is " + text({p.width_px, p.height_px}) + " pixels, most pictures are " +
-                                          text(size)});
+      out.left_out.push_back(
+          {p.name, "is " + text({p.width_px, p.height_px}) + " pixels, most pictures are " + text(size)});
     else if (!p.view)
       out.left_out.push_back({p.name, p.view.error().why});
     else
@@ -139,7 +139,8 @@ core::Result<int> run(const Options& options, Io& io) {
   auto saved = poses::save_camera(options.out, fit->calibration);
   if (!saved) return core::forward(saved);
   if (!options.report.empty())
-    if (auto written = poses::write_camera_report(options.report, *board, *fit); !written) return core::forward(written);
+    if (auto written = poses::write_camera_report(options.report, *board, *fit); !written)
+      return core::forward(written);
   if (options.json)
     io.out << report_json(*fit, options.images.size(), sorted.found).dump() << "\n";
   else

@@ -41,8 +41,8 @@ core::Result<Eigen::Isometry3d> parse_tool(const std::string& text) {
 /// The file of a pose's picture: in --images, by its name there, or beside the pose file.
 core::Result<fs::path> picture_of(const std::string& image, const Options& options) {
   const fs::path folder = options.images;
-  for (const fs::path& path : {folder / image, folder / fs::path(image).filename(),
-                               fs::path(options.poses).parent_path() / image})
+  for (const fs::path& path :
+       {folder / image, folder / fs::path(image).filename(), fs::path(options.poses).parent_path() / image})
     if (std::error_code ignored; fs::is_regular_file(path, ignored)) return path;
   return failure(ErrorCode::unreadable, image, "the pose file names this picture, but it is not in " + options.images,
                  "name the folder of the pictures with --images");
@@ -129,7 +129,8 @@ core::Json report_json(const poses::HandeyeFit& fit, std::size_t poses_given) {
   out.set("left_out", left_out_json(fit.left_out)).set("rms_px", fit.rms_px);
   out.set("spread_mm", fit.spread.mm).set("spread_deg", fit.spread.deg).set("plane_error_mm", fit.plane_error_mm);
   out.set("holdout_mm", fit.holdout_mm);
-  if (fit.calibration.T_flange_camera) out.set("T_flange_camera", matrix_json(fit.calibration.T_flange_camera->matrix()));
+  if (fit.calibration.T_flange_camera)
+    out.set("T_flange_camera", matrix_json(fit.calibration.T_flange_camera->matrix()));
   if (fit.calibration.T_base_camera) out.set("T_base_camera", matrix_json(fit.calibration.T_base_camera->matrix()));
   out.set("by_method", by_method_json(fit)).set("per_image", per_image_json(fit));
   if (!fit.fault.empty()) out.set("fault", fit.fault);
@@ -141,8 +142,8 @@ void print_words(const poses::HandeyeFit& fit, const Options& options, std::size
   io.out << options.out << ": " << name(fit.calibration.verdict) << ": " << fit.why << "\n";
   io.out << "  " << fit.views.size() << " of " << poses_given << " poses, " << fit.method << ": joint reprojection "
          << figure(fit.rms_px, 3) << " px, board's place within " << figure(fit.spread.mm, 2) << " mm and "
-         << figure(fit.spread.deg, 3) << " deg, plane error " << figure(fit.plane_error_mm, 3)
-         << " mm, held out " << figure(fit.holdout_mm, 3) << " mm\n";
+         << figure(fit.spread.deg, 3) << " deg, plane error " << figure(fit.plane_error_mm, 3) << " mm, held out "
+         << figure(fit.holdout_mm, 3) << " mm\n";
   for (const auto& [method, spread] : fit.by_method)
     io.out << "  " << method << " alone: " << figure(spread.mm, 2) << " mm, " << figure(spread.deg, 3) << " deg\n";
   for (const poses::HandeyeView& v : fit.views)
@@ -175,8 +176,12 @@ core::Result<int> run(const Options& options, Io& io) {
 Runner add_calibrate_handeye(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("--camera", options->camera, "the lens, from calibrate camera")->required()->type_name("camera.toml");
-  app.add_option("--poses", options->poses, "CSV of arm poses, or an rct cal_data.yaml")->required()->type_name("POSES");
-  app.add_option("--images", options->images, "folder of the pictures that the poses name")->required()->type_name("DIR");
+  app.add_option("--poses", options->poses, "CSV of arm poses, or an rct cal_data.yaml")
+      ->required()
+      ->type_name("POSES");
+  app.add_option("--images", options->images, "folder of the pictures that the poses name")
+      ->required()
+      ->type_name("DIR");
   app.add_option("--board", options->board, "chessboard:9x6:25mm, ...")->required()->type_name("BOARD");
   app.add_flag("--eye-in-hand", options->eye_in_hand, "the camera is on the arm, the board stands still");
   app.add_flag("--eye-to-hand", options->eye_to_hand, "the camera stands still, the arm carries the board");

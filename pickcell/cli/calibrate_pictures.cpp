@@ -50,7 +50,8 @@ core::Error no_board(const std::vector<BoardPicture>& pictures, const poses::Boa
   if (const auto picture = image::load_grey(pictures.front().path); picture)
     if (const std::string seen = poses::what_else_is_seen(picture->view(), board); !seen.empty())
       error.why += "; " + seen;
-  error.what = pictures.size() == 1 ? error.what : error.what + " (as in all " + std::to_string(pictures.size()) + " pictures)";
+  error.what =
+      pictures.size() == 1 ? error.what : error.what + " (as in all " + std::to_string(pictures.size()) + " pictures)";
   return error;
 }
 

@@ -78,9 +78,9 @@ core::Json report_json(const poses::PlaneFit& fit) {
 
 void print_words(const poses::PlaneFit& fit, const Options& options, Io& io) {
   using poses::figure;
-  io.out << options.out << ": " << name(fit.calibration.verdict) << ": " << fit.why << "\n  "
-         << fit.error_mm.size() << " points: RMS " << figure(fit.rms_mm, 3) << " mm, worst " << figure(fit.worst_mm, 3)
-         << " mm" << (fit.loo_mm ? ", leave-one-out " + figure(*fit.loo_mm, 3) + " mm" : "") << "\n";
+  io.out << options.out << ": " << name(fit.calibration.verdict) << ": " << fit.why << "\n  " << fit.error_mm.size()
+         << " points: RMS " << figure(fit.rms_mm, 3) << " mm, worst " << figure(fit.worst_mm, 3) << " mm"
+         << (fit.loo_mm ? ", leave-one-out " + figure(*fit.loo_mm, 3) + " mm" : "") << "\n";
   if (fit.calibration.board_frame_only) return;
   for (std::size_t i = 0; i < fit.error_mm.size(); ++i)
     io.out << "  point " << i + 1 << ": " << figure(fit.error_mm[i], 3) << " mm\n";

@@ -46,8 +46,7 @@ poses::BoardView projected(const HandeyeScene& scene, std::size_t i, double nois
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vector3d p = (scene.T_camera_board(i) * core::Point<core::Board>{{points[k].x(), points[k].y(), 0}}).m;
     view.ids.push_back(static_cast<int>(k));
-    view.pixels.push_back(sim::project(scene.camera, p) +
-                          noise_px * Eigen::Vector2d(random.normal(), random.normal()));
+    view.pixels.push_back(sim::project(scene.camera, p) + noise_px * Eigen::Vector2d(random.normal(), random.normal()));
   }
   return view;
 }
@@ -122,17 +121,17 @@ HandeyeScene handeye_scene(std::uint64_t seed, int stations) {
                 .cy_px = 296.8,
                 .distortion = {-0.18, 0.09, 0.0007, -0.0005, 0.0}};
   sim::Random random(seed);
-  out.T_flange_camera = {(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) * Eigen::AngleAxisd(0.05, Vector3d::UnitX()))
-                             .toRotationMatrix(),
-                         {0.03, -0.06, 0.045}};
+  out.T_flange_camera = {
+      (Eigen::AngleAxisd(0.7, Vector3d::UnitZ()) * Eigen::AngleAxisd(0.05, Vector3d::UnitX())).toRotationMatrix(),
+      {0.03, -0.06, 0.045}};
   const Eigen::Matrix3d face_up = Vector3d(1, -1, -1).asDiagonal();
   out.T_base_board = {core::rotation_z(0.3) * face_up, {0.55, 0.1, 0.02}};
   const Vector3d centre = (out.T_base_board * core::Point<core::Board>{{0.1, 0.0625, 0}}).m;
   for (int i = 0; i < stations; ++i) {
     const double around = 2 * core::kPi * (i + random.unit()) / stations, tilt = random.uniform(0.15, 0.6);
     const double far = random.uniform(0.36, 0.45);
-    const Vector3d at = centre + far * Vector3d(std::sin(tilt) * std::cos(around), std::sin(tilt) * std::sin(around),
-                                                std::cos(tilt));
+    const Vector3d at =
+        centre + far * Vector3d(std::sin(tilt) * std::cos(around), std::sin(tilt) * std::sin(around), std::cos(tilt));
     const Vector3d aim = centre + Vector3d(random.uniform(-0.02, 0.02), random.uniform(-0.015, 0.015), 0);
     const auto T_base_camera = looking_at(at, aim, random.uniform(-0.6, 0.6));
     out.T_base_flange.push_back(T_base_camera * out.T_flange_camera.inverse());
@@ -145,7 +144,8 @@ HandeyeInput with_noisy_corners(const HandeyeScene& scene, double noise_px, std:
   sim::Random random(seed);
   for (std::size_t i = 0; i < scene.T_base_flange.size(); ++i) {
     const std::string image = std::to_string(i) + ".png";
-    out.views.push_back({{image, projected(scene, i, noise_px, random)}, as_euler(scene.T_base_flange[i].iso(), image)});
+    out.views.push_back(
+        {{image, projected(scene, i, noise_px, random)}, as_euler(scene.T_base_flange[i].iso(), image)});
   }
   return out;
 }
@@ -196,9 +196,7 @@ std::vector<PoseFault> pose_faults() {
       {"rotations about one axis only", {"one axis only"}, one_axis_only},
       {"pictures mirrored", {"mirrored"}, mirror},
       {"poses inverted", {"inverted"}, invert},
-      {"squares of 26 mm called 25 mm",
-       {"squares are"},
-       [](HandeyeInput& in) { in.board.spacing_m *= 25.0 / 26.0; }},
+      {"squares of 26 mm called 25 mm", {"squares are"}, [](HandeyeInput& in) { in.board.spacing_m *= 25.0 / 26.0; }},
   };
 }
 
@@ -210,7 +208,7 @@ double plane_error_mm(double noise_px, std::uint64_t seed) {
   std::vector<std::pair<Eigen::Vector2d, Vector3d>> grid;
   for (int row = 0; row < 4; ++row)
     for (int col = 0; col < 5; ++col) {
-      const Vector3d p = (scene.T_base_board * core::Point<core::Board>{{0.05 * col, 0.125 / 3 * row, 0}}).m;
+      const Vector3d p = (scene.T_base_board * core::Point<core::Board>{{0.03 + 0.035 * col, 0.02 + 0.028 * row, 0}}).m;
       const Vector3d seen = (T_base_camera.inverse() * core::Point<core::Base>{p}).m;
       const Eigen::Vector2d pixel = sim::project(scene.camera, seen);
       grid.emplace_back(pixel, p);

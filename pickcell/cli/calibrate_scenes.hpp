@@ -1,6 +1,6 @@
 #pragma once
-/// Simulated calibrations with known truth: what tests and the experiment judge poses' calibrations by. The pictures come
-/// from sim, whose projection is its own.
+/// Simulated calibrations with known truth: what tests and the experiment judge poses' calibrations by. The pictures
+/// come from sim, whose projection is its own.
 
 #include <cstdint>
 #include <string>

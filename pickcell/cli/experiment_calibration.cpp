@@ -91,21 +91,31 @@ Row rct_row(const RctSet& set, const poses::Lens& lens, const std::string& lens_
   if (!fit) return row;
   row.reached = std::to_string(fit->views.size()) + " used, joint " + figure(fit->rms_px, 2) + " px, plane " +
                 figure(fit->plane_error_mm, 2) + " mm, " + name(fit->calibration.verdict);
-  row.holds =
-      fit->views.size() >= set.fewest && fit->rms_px <= set.joint_px && fit->plane_error_mm <= set.plane_mm;
+  row.holds = fit->views.size() >= set.fewest && fit->rms_px <= set.joint_px && fit->plane_error_mm <= set.plane_mm;
   return row;
 }
 
 std::vector<Row> real_sets() {
-  const RctSet circles{"circles", "circles:10x10:25.4mm", "15 of 15, plane 2.9 mm", poses::Mounting::eye_in_hand,
-                       {640, 480, 542.324, 543.515, 320.474, 226.039, {}}, 15, 1e9, 2.9};
-  const RctSet charuco{"charuco", "charuco:5x7:36.195mm:18.256mm:6X6_250", "14 of 16, joint 1.5 px, plane 0.63 mm",
+  const RctSet circles{"circles",
+                       "circles:10x10:25.4mm",
+                       "15 of 15, plane 2.9 mm",
+                       poses::Mounting::eye_in_hand,
+                       {640, 480, 542.324, 543.515, 320.474, 226.039, {}},
+                       15,
+                       1e9,
+                       2.9};
+  const RctSet charuco{"charuco",
+                       "charuco:5x7:36.195mm:18.256mm:6X6_250",
+                       "14 of 16, joint 1.5 px, plane 0.63 mm",
                        poses::Mounting::eye_to_hand,
-                       {1600, 1200, 1352.02747, 1356.14287, 789.67065, 627.2995, {}}, 14, 1.5, 0.63};
+                       {1600, 1200, 1352.02747, 1356.14287, 789.67065, 627.2995, {}},
+                       14,
+                       1.5,
+                       0.63};
   std::vector<Row> out{opencv_left(), rct_row(circles, circles.lens, "given lens")};
   out.push_back(rct_row(charuco, charuco.lens, "given lens"));
-  const auto own = fit_camera(pictures_in(data_folder() / "rct" / "charuco" / "images"),
-                              *poses::parse_board(charuco.board), 1600);
+  const auto own =
+      fit_camera(pictures_in(data_folder() / "rct" / "charuco" / "images"), *poses::parse_board(charuco.board), 1600);
   if (own) out.push_back(rct_row(charuco, own->calibration.lens, "lens by calibrate camera"));
   return out;
 }
@@ -128,7 +138,8 @@ Row fault_row(const PoseFault& fault, poses::HandeyeInput input) {
   const std::string why = fit ? fit->why : fit.error().line();
   bool named = false;
   for (const std::string& word : fault.words) named = named || why.find(word) != std::string::npos;
-  return {fault.name, "below good, named", std::string(name(verdict)) + ": " + why, verdict >= Verdict::usable && named};
+  return {fault.name, "below good, named", std::string(name(verdict)) + ": " + why,
+          verdict >= Verdict::usable && named};
 }
 
 struct NoiseRow {
@@ -142,8 +153,8 @@ NoiseRow noise_row(const HandeyeScene& scene, double noise_px, int trials, std::
   for (int i = 0; i < trials; ++i) {
     const std::uint64_t s = seed + 1000 + static_cast<std::uint64_t>(i);
     const auto fit = poses::calibrate_handeye(with_noisy_corners(scene, noise_px, s));
-    const TransformError e = fit ? error_of(fit->calibration.T_flange_camera->iso(), scene.T_flange_camera.iso())
-                                 : TransformError{1e9, 1e9};
+    const TransformError e =
+        fit ? error_of(fit->calibration.T_flange_camera->iso(), scene.T_flange_camera.iso()) : TransformError{1e9, 1e9};
     out.rms.mm += e.mm * e.mm / trials;
     out.rms.deg += e.deg * e.deg / trials;
     out.plane_mm = std::max(out.plane_mm, plane_error_mm(noise_px, s));
@@ -170,7 +181,8 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
   rows.push_back(clean_row(scene, clean));
   for (const PoseFault& fault : pose_faults()) rows.push_back(fault_row(fault, clean));
   std::vector<NoiseRow> noise;
-  for (const double px : {0.05, 0.1, 0.2, 0.5}) noise.push_back(noise_row(scene, px, options.n.value_or(20), options.seed));
+  for (const double px : {0.05, 0.1, 0.2, 0.5})
+    noise.push_back(noise_row(scene, px, options.n.value_or(20), options.seed));
   const NoiseRow& tenth = noise[1];
   rows.push_back({"0.1 px corner noise", "0.3 mm, 0.02 deg, plane 0.1 mm",
                   figure(tenth.rms.mm, 3) + " mm, " + figure(tenth.rms.deg, 4) + " deg, plane " +
@@ -184,8 +196,9 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
     json.push(row_json(r));
     all = all && r.holds;
   }
-  text += "\nHand-eye and plane against the truth, RMS over trials; expected: Cramer-Rao bound; plane: worst point\n"
-          "| noise px | mm | expected mm | deg | expected deg | plane mm |\n|---|---|---|---|---|---|\n";
+  text +=
+      "\nHand-eye and plane against the truth, RMS over trials; expected: Cramer-Rao bound; plane: worst point\n"
+      "| noise px | mm | expected mm | deg | expected deg | plane mm |\n|---|---|---|---|---|---|\n";
   for (const NoiseRow& n : noise) text += noise_text(n);
   if (auto written = core::write_file_atomically(options.out / "calibration.md", text); !written)
     return core::forward(written);
@@ -195,8 +208,9 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
 }
 
 const ExperimentRegistration registered(
-    {"calibration", "targets on real sets, faults that must be named, errors against the truth; --n: trials per noise level",
-     false, run});
+    {"calibration",
+     "targets on real sets, faults that must be named, errors against the truth; --n: trials per noise level", false,
+     run});
 
 }  // namespace
 

@@ -19,12 +19,12 @@ enum class BoardKind { chessboard, circles, asymmetric_circles, charuco };
 /// them).
 struct Board {
   BoardKind kind = BoardKind::chessboard;
-  int cols = 0;             ///< as given: inner corners, circles, or squares of a ChArUco board
-  int rows = 0;             ///< as given
-  double spacing_m = 0;     ///< side of a square, distance of circles (asymmetric: between a row and the next)
-  double marker_m = 0;      ///< side of a ChArUco marker
-  std::string dictionary;   ///< OpenCV's name without DICT_: "6X6_250"
-  std::string text;         ///< as it was given
+  int cols = 0;            ///< as given: inner corners, circles, or squares of a ChArUco board
+  int rows = 0;            ///< as given
+  double spacing_m = 0;    ///< side of a square, distance of circles (asymmetric: between a row and the next)
+  double marker_m = 0;     ///< side of a ChArUco marker
+  std::string dictionary;  ///< OpenCV's name without DICT_: "6X6_250"
+  std::string text;        ///< as it was given
 
   [[nodiscard]] int point_cols() const { return kind == BoardKind::charuco ? cols - 1 : cols; }
   [[nodiscard]] int point_rows() const { return kind == BoardKind::charuco ? rows - 1 : rows; }

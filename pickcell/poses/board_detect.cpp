@@ -41,8 +41,7 @@ void make_right_handed(std::vector<cv::Point2f>& points, const Board& board) {
   const auto at = [&](int col, int row) { return points[static_cast<std::size_t>(row * cols + col)]; };
   const cv::Point2f x = at(cols - 1, 0) - at(0, 0), y = at(0, rows - 1) - at(0, 0);
   if (x.cross(y) >= 0) return;
-  for (int row = 0; row < rows; ++row)
-    std::reverse(points.begin() + row * cols, points.begin() + (row + 1) * cols);
+  for (int row = 0; row < rows; ++row) std::reverse(points.begin() + row * cols, points.begin() + (row + 1) * cols);
 }
 
 core::Result<BoardView> detect_chessboard(image::ImageView picture, const Board& board, const std::string& name) {

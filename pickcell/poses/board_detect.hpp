@@ -9,11 +9,11 @@
 
 namespace pickcell::poses {
 
-/// The points of the board, to a fraction of a pixel. The window of the corner search follows the size of the squares in
-/// the picture. Chessboards and grids of circles must be seen whole; a ChArUco board may be covered in part (at least 6
-/// corners). Numbering is right-handed (Board) and canonical up to board_symmetries. Thread-safe.
-/// Errors: negative, `name` and why: no board, a larger board than stated, the mirrored board.
-/// Usage: the dictionary is unknown or has too few markers.
+/// The points of the board, to a fraction of a pixel. The window of the corner search follows the size of the squares
+/// in the picture. Chessboards and grids of circles must be seen whole; a ChArUco board may be covered in part (at
+/// least 6 corners). Numbering is right-handed (Board) and canonical up to board_symmetries. Thread-safe. Errors:
+/// negative, `name` and why: no board, a larger board than stated, the mirrored board. Usage: the dictionary is unknown
+/// or has too few markers.
 [[nodiscard]] core::Result<BoardView> detect_board(image::ImageView picture, const Board& board,
                                                    const std::string& name);
 

@@ -12,9 +12,7 @@ namespace {
 using core::ErrorCode;
 using core::failure;
 
-cv::Matx33d matrix_of(const Lens& lens) {
-  return {lens.fx_px, 0, lens.cx_px, 0, lens.fy_px, lens.cy_px, 0, 0, 1};
-}
+cv::Matx33d matrix_of(const Lens& lens) { return {lens.fx_px, 0, lens.cx_px, 0, lens.fy_px, lens.cy_px, 0, 0, 1}; }
 
 Eigen::Isometry3d isometry(const cv::Mat& rvec, const cv::Mat& tvec) {
   const Eigen::Vector3d r(rvec.at<double>(0), rvec.at<double>(1), rvec.at<double>(2));
@@ -84,8 +82,7 @@ core::Result<PointsPose> points_pose(const Lens& lens, const std::vector<Eigen::
   best.rms_px = std::numeric_limits<double>::max();
   for (std::size_t k = 0; k < rvecs.size(); ++k) {
     cv::Mat r = rvecs[k].clone(), t = tvecs[k].clone();
-    cv::solvePnPRefineLM(own, seen, K, distortion, r, t,
-                         {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-10});
+    cv::solvePnPRefineLM(own, seen, K, distortion, r, t, {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-10});
     PointsPose one;
     one.T_camera_points = isometry(r, t) * T_own_points;
     double sum = 0;

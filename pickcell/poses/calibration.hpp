@@ -37,7 +37,7 @@ struct PlaneCalibration {
   Verdict verdict = Verdict::reject;
   std::string date;
   bool board_frame_only =
-      false;  ///< made from a board picture alone: no robot frame, refused by a cell that moves an arm
+      false;          ///< made from a board picture alone: no robot frame, refused by a cell that moves an arm
   std::string board;  ///< BOARD of the reference picture for verify; may be empty
   std::optional<core::Transform<core::Camera, core::Board>> T_camera_board;  ///< the reference, with board
 };

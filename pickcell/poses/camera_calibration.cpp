@@ -65,14 +65,13 @@ void drop_repeated(std::vector<NamedView>& views, std::vector<LeftOut>& left_out
 
 core::Status enough(const std::vector<NamedView>& views, const std::vector<LeftOut>& left_out) {
   if (views.size() >= kFewestViews) return {};
-  const bool repeated = std::any_of(left_out.begin(), left_out.end(), [](const LeftOut& l) {
-    return l.reason.find("same view") != std::string::npos;
-  });
-  return failure(ErrorCode::negative, "camera",
-                 std::string("too few views: ") + std::to_string(views.size()) +
-                     (repeated ? " different pictures show the board, the others repeat them"
-                               : " pictures show the board"),
-                 "take at least 3, better 12, from different directions");
+  const bool repeated = std::any_of(left_out.begin(), left_out.end(),
+                                    [](const LeftOut& l) { return l.reason.find("same view") != std::string::npos; });
+  return failure(
+      ErrorCode::negative, "camera",
+      std::string("too few views: ") + std::to_string(views.size()) +
+          (repeated ? " different pictures show the board, the others repeat them" : " pictures show the board"),
+      "take at least 3, better 12, from different directions");
 }
 
 /// RMS over views that took no part in the fit: every kFolds-th is held out in turn.
@@ -114,9 +113,9 @@ core::Result<Choice> choose_model(const Board& board, const std::vector<NamedVie
   if (tried.empty())
     return failure(ErrorCode::negative, "camera", "no lens fits the pictures",
                    "take pictures from more directions, with the board in every part of the picture");
-  const double best =
-      std::min_element(tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
-          ->second;
+  const double best = std::min_element(tried.begin(), tried.end(), [](const auto& a, const auto& b) {
+                        return a.second < b.second;
+                      })->second;
   const auto simplest = std::find_if(tried.begin(), tried.end(),
                                      [&](const auto& t) { return t.second <= best * kSimplerIsBetter + 1e-3; });
   out.model = simplest->first;
@@ -137,9 +136,9 @@ core::Result<LensFit> fit_without_bad_views(const Board& board, std::vector<Name
     const auto worst = std::max_element(rms.begin(), rms.end());
     if (*worst <= std::max(kBadViewPx, kBadViewFactor * usual)) return fit;
     const auto index = worst - rms.begin();
-    left_out.push_back({views[static_cast<std::size_t>(index)].image,
-                        "does not fit the others: " + figure(*worst, 2) + " px RMS, the others " + figure(usual, 2) +
-                            " px"});
+    left_out.push_back(
+        {views[static_cast<std::size_t>(index)].image,
+         "does not fit the others: " + figure(*worst, 2) + " px RMS, the others " + figure(usual, 2) + " px"});
     views.erase(views.begin() + index);
   }
 }
@@ -157,8 +156,7 @@ void judge_fit(CameraFit& out, const LensFit& fit) {
                         : out.tilt_range_deg < 15   ? Verdict::good
                                                     : Verdict::excellent;
   verdict.add(tilts, "the board is inclined by at most " + figure(out.largest_tilt_deg, 0) + " degrees");
-  verdict.add(judge(-static_cast<double>(out.views.size()), kViewsShort),
-              std::to_string(out.views.size()) + " views");
+  verdict.add(judge(-static_cast<double>(out.views.size()), kViewsShort), std::to_string(out.views.size()) + " views");
   out.calibration.verdict = verdict.verdict();
   out.why = verdict.why();
   if (out.calibration.verdict != Verdict::excellent && !out.advice.empty()) out.why += "; " + out.advice.front();

@@ -52,8 +52,8 @@ struct CameraFit {
   std::vector<LeftOut> left_out;
   std::vector<ModelTrial> trials;
   LensSigma sigma;
-  double coverage = 0;         ///< share of the picture's area that the boards together cover, 0..1
-  double tilt_range_deg = 0;   ///< largest angle between the normals of two boards
+  double coverage = 0;        ///< share of the picture's area that the boards together cover, 0..1
+  double tilt_range_deg = 0;  ///< largest angle between the normals of two boards
   double largest_tilt_deg = 0;
   std::vector<std::string> advice;  ///< what pictures to add
   std::string why;                  ///< the verdict in a sentence

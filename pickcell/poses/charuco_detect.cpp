@@ -133,8 +133,7 @@ BoardView corners_of(const cv::Mat& grey, const Board& board, const Markers& mar
     }
   if (guesses.empty()) return view;
   CvPoints refined = guesses;
-  cv::cornerSubPix(grey, refined, {half, half}, {-1, -1},
-                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3});
+  cv::cornerSubPix(grey, refined, {half, half}, {-1, -1}, {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3});
   std::vector<int> kept;
   for (std::size_t i = 0; i < refined.size(); ++i) {
     if (cv::norm(refined[i] - guesses[i]) > half) continue;

@@ -10,7 +10,8 @@ namespace pickcell::poses::detail {
 
 namespace {
 
-constexpr int kFindSidePx = 1400;  ///< larger pictures are searched at this size first: quicker, and less of their noise
+constexpr int kFindSidePx =
+    1400;  ///< larger pictures are searched at this size first: quicker, and less of their noise
 
 /// Distance to the nearest neighbour in the grid, the smallest over the board.
 double smallest_square_px(const Board& board, const CvPoints& corners) {
@@ -117,7 +118,8 @@ void turn_to_black_corner(const cv::Mat& grey, const Board& board, CvPoints& cor
   CvPoints turned(corners.size());
   for (int row = 0; row < rows; ++row)
     for (int col = 0; col < cols; ++col)
-      turned[static_cast<std::size_t>(col * cols + (cols - 1 - row))] = corners[static_cast<std::size_t>(row * cols + col)];
+      turned[static_cast<std::size_t>(col * cols + (cols - 1 - row))] =
+          corners[static_cast<std::size_t>(row * cols + col)];
   corners = std::move(turned);
 }
 
@@ -127,10 +129,10 @@ std::string larger_board(const cv::Mat& grey, const Board& board, const CvPoints
   double inside = 0;
   for (int row = 0; row < rows; ++row) inside += mean_saddle(grey, grid, 0, row, 1, 0, cols) / rows;
   const double needed = 0.5 * inside;
-  const bool column = mean_saddle(grey, grid, -1, 0, 0, 1, rows) > needed ||
-                      mean_saddle(grey, grid, cols, 0, 0, 1, rows) > needed;
-  const bool row = mean_saddle(grey, grid, 0, -1, 1, 0, cols) > needed ||
-                   mean_saddle(grey, grid, 0, rows, 1, 0, cols) > needed;
+  const bool column =
+      mean_saddle(grey, grid, -1, 0, 0, 1, rows) > needed || mean_saddle(grey, grid, cols, 0, 0, 1, rows) > needed;
+  const bool row =
+      mean_saddle(grey, grid, 0, -1, 1, 0, cols) > needed || mean_saddle(grey, grid, 0, rows, 1, 0, cols) > needed;
   if (!column && !row) return {};
   return std::string("the board has more ") + (column ? (row ? "columns and rows" : "columns") : "rows") + " than " +
          board.text + " says";

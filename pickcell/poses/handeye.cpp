@@ -70,8 +70,7 @@ core::Status check_motions(const Work& work) {
   const std::string units = detail::suspicious_units(work.input.views);
   const std::string why = detail::unsolvable(work.stations);
   if (why.empty()) return {};
-  return failure(ErrorCode::negative, "hand-eye",
-                 (units.empty() ? "" : units + "; ") + why + ": cannot be solved",
+  return failure(ErrorCode::negative, "hand-eye", (units.empty() ? "" : units + "; ") + why + ": cannot be solved",
                  "turn the wrist about at least two different axes by 20 degrees and more");
 }
 
@@ -236,21 +235,21 @@ void fill_calibration(const Work& work, const HandEye& result, HandeyeFit& out) 
 
 void judge_fit(HandeyeFit& out, bool poses_left_out) {
   Judgement verdict;
+  if (!out.fault.empty()) verdict.add(Verdict::reject, out.fault);
   verdict.add(judge(out.rms_px, kJointPx), "joint reprojection " + figure(out.rms_px, 2) + " px");
-  verdict.add(std::max(judge(out.spread.mm, kSpreadMm), judge(out.spread.deg, kSpreadDeg)),
-              "the board's place scatters by " + figure(out.spread.mm, 2) + " mm, " + figure(out.spread.deg, 3) +
-                  " deg");
+  verdict.add(
+      std::max(judge(out.spread.mm, kSpreadMm), judge(out.spread.deg, kSpreadDeg)),
+      "the board's place scatters by " + figure(out.spread.mm, 2) + " mm, " + figure(out.spread.deg, 3) + " deg");
   verdict.add(judge(out.plane_error_mm, kPlaneMm), "plane error " + figure(out.plane_error_mm, 2) + " mm");
-  verdict.add(judge(out.picture_rms_px, kPicturePx),
-              "the pictures alone fit the camera calibration only to " + figure(out.picture_rms_px, 2) +
-                  " px (lens, board size or picture size is wrong)");
+  verdict.add(judge(out.picture_rms_px, kPicturePx), "the pictures alone fit the camera calibration only to " +
+                                                         figure(out.picture_rms_px, 2) +
+                                                         " px (lens, board size or picture size is wrong)");
   if (poses_left_out)
     verdict.add(Verdict::usable, std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image +
                                      ": " + out.left_out.front().reason);
   if (out.views.size() < 6) verdict.add(Verdict::usable, std::to_string(out.views.size()) + " pictures are few");
-  if (!out.fault.empty()) verdict.add(Verdict::reject, out.fault);
   out.calibration.verdict = verdict.verdict();
-  out.why = (out.fault.empty() ? "" : out.fault + ": ") + verdict.why();
+  out.why = verdict.why();
 }
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.
@@ -272,8 +271,7 @@ core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
   Work& work = *started;
   if (auto fine = check_motions(work); !fine) return core::forward(fine);
   auto robust = detail::solve_robustly(input.lens, input.board, work.stations);
-  if (!robust)
-    return failure(ErrorCode::negative, "hand-eye", "no solver gives a result", "record the poses again");
+  if (!robust) return failure(ErrorCode::negative, "hand-eye", "no solver gives a result", "record the poses again");
   const Stations as_given = work.stations;
   HandeyeFit out;
   out.left_out = work.left_out;
@@ -291,7 +289,8 @@ core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
     else if (const std::string units = detail::suspicious_units(input.views); !units.empty())
       out.fault = units;
     judge_fit(out, out.left_out.size() > without_pose);
-    if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good)) out.why += "; " + scatter_of_poses(out);
+    if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
+      out.why += "; " + scatter_of_poses(out);
   }
   fill_calibration(work, result, out);
   return out;

@@ -46,14 +46,14 @@ struct HandeyeView {
   BoardView view;                            ///< numbered as the fit has it
   std::vector<Eigen::Vector2d> residual_px;  ///< seen minus predicted by arm, X and Y
   double rms_px = 0;
-  double picture_rms_px = 0;  ///< of the board's pose in this picture alone: what the arm has no part in
-  double plane_error_mm = 0;  ///< mean over the points
+  double picture_rms_px = 0;       ///< of the board's pose in this picture alone: what the arm has no part in
+  double plane_error_mm = 0;       ///< mean over the points
   double arm_mm = 0, arm_deg = 0;  ///< by how much the arm's pose differs from the one that the picture asks for
 };
 
 struct HandeyeFit {
-  HandeyeCalibration calibration;  ///< without camera checksum and date
-  std::string method;              ///< the solver whose refined result is used
+  HandeyeCalibration calibration;                         ///< without camera checksum and date
+  std::string method;                                     ///< the solver whose refined result is used
   std::vector<std::pair<std::string, Spread>> by_method;  ///< before refinement
   std::vector<HandeyeView> views;
   std::vector<LeftOut> left_out;

@@ -148,9 +148,7 @@ std::vector<Reading> readings(std::size_t views) {
 }
 
 /// Of the true square over the stated one.
-std::vector<double> likely_scales() {
-  return {0.5, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 2.0};
-}
+std::vector<double> likely_scales() { return {0.5, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 2.0}; }
 
 double median_error_px(const HandeyeInput& input, const Board& board, Stations stations) {
   const auto solved = solve_robustly(input.lens, board, stations);
@@ -213,16 +211,18 @@ std::string suspicious_units(const std::vector<ArmView>& views) {
   for (const ArmView& v : views) {
     farthest_m = std::max(farthest_m, v.arm.position_m.norm());
     largest_deg = std::max(largest_deg, v.arm.angles_deg.cwiseAbs().maxCoeff());
-    largest_turn = std::max(largest_turn, angle_deg(views.front().arm.pose().linear().transpose() *
-                                                    v.arm.pose().linear()));
+    largest_turn =
+        std::max(largest_turn, angle_deg(views.front().arm.pose().linear().transpose() * v.arm.pose().linear()));
     angles = angles && v.arm.euler;
   }
   std::string out;
-  if (farthest_m < 0.02) out = "positions: metres were given as millimetres (the arm never leaves 20 mm around its base)";
+  if (farthest_m < 0.02)
+    out = "positions: metres were given as millimetres (the arm never leaves 20 mm around its base)";
   if (farthest_m > 20)
     out = "positions: millimetres were given as metres (the arm stands " + figure(farthest_m, 0) + " m from its base)";
   if (angles && largest_deg <= 2 * core::kPi && largest_turn < 8)
-    out += std::string(out.empty() ? "" : "; ") + "angles are in radians where degrees are expected (none exceeds 2 pi)";
+    out +=
+        std::string(out.empty() ? "" : "; ") + "angles are in radians where degrees are expected (none exceeds 2 pi)";
   if (angles && largest_deg > 720)
     out += std::string(out.empty() ? "" : "; ") + "angles: degrees were read as radians (they reach " +
            figure(largest_deg, 0) + ")";

@@ -61,14 +61,13 @@ constexpr std::array<Solver, 5> kSolvers{Solver::park, Solver::horaud, Solver::t
 
 /// Another reading of the input that explains it better.
 struct Explanation {
-  std::string fault;          ///< the kind, for a person
-  double median_px = 0;       ///< of the stations' errors under this reading
+  std::string fault;     ///< the kind, for a person
+  double median_px = 0;  ///< of the stations' errors under this reading
 };
 
 /// Tries other readings of the poses (units, order of angles and quaternions, direction, mirrored pictures, shifted or
 /// scaled) and gives the one that fits far better than median_px; nothing when there is none.
-[[nodiscard]] std::optional<Explanation> explain(const HandeyeInput& input, const Stations& stations,
-                                                 double median_px);
+[[nodiscard]] std::optional<Explanation> explain(const HandeyeInput& input, const Stations& stations, double median_px);
 /// What the magnitudes of the poses alone say, or "".
 [[nodiscard]] std::string suspicious_units(const std::vector<ArmView>& views);
 

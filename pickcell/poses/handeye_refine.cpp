@@ -81,9 +81,8 @@ HandEye refine(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m, co
   ceres::Problem problem;
   for (const Station& s : stations) {
     using Cost = ceres::AutoDiffCostFunction<StationCost, ceres::DYNAMIC, 6, 6>;
-    problem.AddResidualBlock(
-        new Cost(new StationCost{lens, board_m, s}, static_cast<int>(2 * s.view.ids.size())), nullptr, X.data(),
-        Y.data());
+    problem.AddResidualBlock(new Cost(new StationCost{lens, board_m, s}, static_cast<int>(2 * s.view.ids.size())),
+                             nullptr, X.data(), Y.data());
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;

@@ -54,8 +54,8 @@ void number_by_angles(Stations& stations, const std::vector<std::vector<int>>& s
       double least = std::numeric_limits<double>::max();
       std::size_t chosen = 0;
       for (std::size_t k = 0; k < turned.size(); ++k) {
-        const double camera = angle_deg(reference.T_camera_board.linear() *
-                                        (s.T_camera_board * turned[k]).linear().transpose());
+        const double camera =
+            angle_deg(reference.T_camera_board.linear() * (s.T_camera_board * turned[k]).linear().transpose());
         if (std::abs(arm - camera) < least - 0.5) {
           least = std::abs(arm - camera);
           chosen = k;

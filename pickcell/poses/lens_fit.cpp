@@ -107,9 +107,9 @@ core::Result<LensFit> fit_lens(const Board& board, const std::vector<NamedView>&
   std::vector<cv::Mat> rvecs, tvecs;
   const cv::Size size(views.front().view.width_px, views.front().view.height_px);
   try {
-    fit.rms_px = cv::calibrateCamera(points, pixels, size, K, distortion, rvecs, tvecs, sigma_inner, sigma_outer,
-                                     per_view, flags_of(model),
-                                     {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-9});
+    fit.rms_px =
+        cv::calibrateCamera(points, pixels, size, K, distortion, rvecs, tvecs, sigma_inner, sigma_outer, per_view,
+                            flags_of(model), {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-9});
   } catch (const cv::Exception&) {
     return failed();
   }

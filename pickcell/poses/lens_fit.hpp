@@ -1,6 +1,6 @@
 #pragma once
-/// One least-squares fit of a lens to views of a board, by OpenCV's calibrateCamera. Built with PICKCELL_WITH_CALIBRATION
-/// only.
+/// One least-squares fit of a lens to views of a board, by OpenCV's calibrateCamera. Built with
+/// PICKCELL_WITH_CALIBRATION only.
 
 #include <array>
 #include <string>

@@ -79,8 +79,7 @@ double rms(const std::vector<double>& values) {
 template <class Refit>
 void measure(PlaneFit& out, const Lens& lens, const std::vector<Pair>& pairs, const Eigen::Vector3d& normal,
              Refit refit) {
-  for (const Pair& p : pairs)
-    out.error_mm.push_back(cast_error_mm(lens, out.calibration.T_base_camera, normal, p));
+  for (const Pair& p : pairs) out.error_mm.push_back(cast_error_mm(lens, out.calibration.T_base_camera, normal, p));
   out.rms_mm = rms(out.error_mm);
   out.worst_mm = *std::max_element(out.error_mm.begin(), out.error_mm.end());
   if (pairs.size() < kLeaveOneOut) return;
@@ -93,9 +92,8 @@ void measure(PlaneFit& out, const Lens& lens, const std::vector<Pair>& pairs, co
 void judge_fit(PlaneFit& out, std::size_t points, const std::string& fault) {
   Judgement verdict;
   const double error = out.loo_mm.value_or(out.rms_mm);
-  verdict.add(judge(error, kPlaneMm),
-              (out.loo_mm ? "leave-one-out error " : "error ") + figure(error, 2) + " mm over " +
-                  std::to_string(points) + " points");
+  verdict.add(judge(error, kPlaneMm), (out.loo_mm ? "leave-one-out error " : "error ") + figure(error, 2) +
+                                          " mm over " + std::to_string(points) + " points");
   if (!out.loo_mm)
     verdict.add(Verdict::usable, std::to_string(points) + " points leave nothing to check the result with: touch five");
   if (out.picture_rms_px > 0)
@@ -173,8 +171,10 @@ std::string touched_fault(const Board& board, const BoardFit& fit, bool camera_b
   if (fit.scale < 0.01) return "the touched places are 1000 times too close: metres were given as millimetres";
   if (fit.scale > 100) return "the touched places are 1000 times too far apart: check their unit";
   if (std::abs(fit.scale - 1) > 0.01 && fit.rms_mm > 1)
-    return "the board's squares are " + figure(core::mm_from_m(board.spacing_m) * fit.scale, 2) + " mm by the touched "
-           "places, not " + figure(core::mm_from_m(board.spacing_m), 2) + " mm";
+    return "the board's squares are " + figure(core::mm_from_m(board.spacing_m) * fit.scale, 2) +
+           " mm by the touched "
+           "places, not " +
+           figure(core::mm_from_m(board.spacing_m), 2) + " mm";
   return {};
 }
 
@@ -184,8 +184,8 @@ core::Status check_touched(const Board& board, const std::vector<TouchedCorner>&
       return failure(ErrorCode::unreadable, "touched corner " + std::to_string(t.col) + "," + std::to_string(t.row),
                      "is not on " + board.text, "count columns and rows from 0");
   if (touched.size() < kFewestTouched)
-    return failure(ErrorCode::negative, "touched corners",
-                   std::to_string(touched.size()) + " are too few", "touch at least three, better five, not in a line");
+    return failure(ErrorCode::negative, "touched corners", std::to_string(touched.size()) + " are too few",
+                   "touch at least three, better five, not in a line");
   return {};
 }
 
@@ -212,8 +212,8 @@ core::Result<PlaneFit> plane_from_points(const Lens& lens, const std::vector<Tou
   measure(out, lens, pairs, plane.normal, [&](std::size_t i) { return camera_from(lens, pairs, i); });
   std::string fault = suspicious_size(plane);
   if (fault.empty() && plane.reach_m[2] > 0.2 * plane.reach_m[1])
-    fault = "the touched places are no plane: they stand off it by " + figure(core::mm_from_m(plane.reach_m[2]), 1) +
-            " mm";
+    fault =
+        "the touched places are no plane: they stand off it by " + figure(core::mm_from_m(plane.reach_m[2]), 1) + " mm";
   judge_fit(out, points.size(), fault);
   return out;
 }

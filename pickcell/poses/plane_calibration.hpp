@@ -14,11 +14,11 @@
 namespace pickcell::poses {
 
 struct PlaneFit {
-  PlaneCalibration calibration;   ///< without camera checksum and date
-  std::vector<double> error_mm;   ///< per point: the pixel cast onto the touched plane against the touched place
+  PlaneCalibration calibration;  ///< without camera checksum and date
+  std::vector<double> error_mm;  ///< per point: the pixel cast onto the touched plane against the touched place
   double rms_mm = 0, worst_mm = 0;
-  std::optional<double> loo_mm;   ///< RMS over points that took no part in the fit; from five points
-  double picture_rms_px = 0;      ///< of the board's pose in the picture, with a board
+  std::optional<double> loo_mm;  ///< RMS over points that took no part in the fit; from five points
+  double picture_rms_px = 0;     ///< of the board's pose in the picture, with a board
   std::string why;
 };
 
@@ -27,8 +27,8 @@ struct PlaneFit {
 [[nodiscard]] core::Result<PlaneFit> plane_from_points(const Lens& lens, const std::vector<TouchedPixel>& points,
                                                        double height_m);
 
-/// From a picture of the board and at least three of its points touched, not in a line. height_m: of the board's surface
-/// above the work plane. A board that is too large or small against the touched places is named.
+/// From a picture of the board and at least three of its points touched, not in a line. height_m: of the board's
+/// surface above the work plane. A board that is too large or small against the touched places is named.
 [[nodiscard]] core::Result<PlaneFit> plane_from_touched_board(const Lens& lens, const Board& board,
                                                               const BoardView& view,
                                                               const std::vector<TouchedCorner>& touched,

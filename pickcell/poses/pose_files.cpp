@@ -77,8 +77,7 @@ core::Result<ArmPose> pose_of_row(const CsvTable& table, std::size_t row, const 
   if (std::abs(length - 1) > kQuaternionTolerance)
     return table.bad_row(row, "its quaternion has length " + std::to_string(length) + " instead of 1",
                          "check the columns qx,qy,qz,qw");
-  out.quaternion =
-      Eigen::Quaterniond((*rotation)[3], (*rotation)[0], (*rotation)[1], (*rotation)[2]).normalized();
+  out.quaternion = Eigen::Quaterniond((*rotation)[3], (*rotation)[0], (*rotation)[1], (*rotation)[2]).normalized();
   return out;
 }
 
@@ -124,7 +123,8 @@ core::Status images_differ(const std::vector<ArmPose>& poses, const std::string&
   std::set<std::string> seen;
   for (const ArmPose& p : poses)
     if (!seen.insert(p.image).second)
-      return failure(ErrorCode::unreadable, name, "names the image " + p.image + " twice", "give each picture one pose");
+      return failure(ErrorCode::unreadable, name, "names the image " + p.image + " twice",
+                     "give each picture one pose");
   if (poses.empty()) return failure(ErrorCode::unreadable, name, "holds no pose", "give at least three");
   return {};
 }

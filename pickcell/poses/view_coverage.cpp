@@ -60,8 +60,8 @@ double share(const Map& map, int c0, int c1, int r0, int r1) {
 }
 
 std::vector<std::string> empty_parts(const Map& map) {
-  constexpr std::array<const char*, 9> kNames{"upper left", "top",        "upper right", "left", "middle", "right",
-                                              "lower left", "bottom",     "lower right"};
+  constexpr std::array<const char*, 9> kNames{"upper left", "top",        "upper right", "left",       "middle",
+                                              "right",      "lower left", "bottom",      "lower right"};
   constexpr double kEnough = 0.1;
   std::vector<std::string> out;
   for (int part = 0; part < 9; ++part) {

@@ -9,8 +9,8 @@
 namespace pickcell::poses {
 
 struct ViewCoverage {
-  double area = 0;              ///< share of the picture inside the outline of at least one board
-  double tilt_range_deg = 0;    ///< largest angle between the normals of two boards
+  double area = 0;            ///< share of the picture inside the outline of at least one board
+  double tilt_range_deg = 0;  ///< largest angle between the normals of two boards
   double largest_tilt_deg = 0;
   std::vector<std::string> advice;
 };
