@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <numeric>
 #include <sstream>
 
+#include "pickcell/cli/subcommand.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/image/codec.hpp"
 #include "pickcell/poses/board_detect.hpp"
@@ -91,8 +91,9 @@ TEST(CameraCalibration, OfParallelViewsIsNoGoodAndSaysWhy) {
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Eigen::Vector3d p(points[k].x() - 0.15 + 0.02 * i, points[k].y() - 0.08 + 0.01 * (i % 3), 0.5);
       v.view.ids.push_back(static_cast<int>(k));
-      v.view.pixels.push_back(sim::project(flat.camera, p) +
-                              0.05 * Eigen::Vector2d(std::sin(7.0 * k), std::cos(3.0 * k)));
+      v.view.pixels.push_back(
+          sim::project(flat.camera, p) +
+          0.05 * Eigen::Vector2d(std::sin(7.0 * static_cast<double>(k)), std::cos(3.0 * static_cast<double>(k))));
     }
     views.push_back(v);
   }
@@ -137,7 +138,9 @@ TEST_P(Faults, AreNeverGoodAndAreNamed) {
   fault.apply(input);
   const auto fit = poses::calibrate_handeye(input);
   const std::string why = fit ? fit->why : fit.error().line();
-  if (fit) EXPECT_GE(fit->calibration.verdict, poses::Verdict::usable) << why;
+  if (fit) {
+    EXPECT_GE(fit->calibration.verdict, poses::Verdict::usable) << why;
+  }
   bool named = false;
   for (const std::string& word : fault.words) named = named || why.find(word) != std::string::npos;
   EXPECT_TRUE(named) << fault.name << ": " << why;
@@ -148,7 +151,6 @@ INSTANTIATE_TEST_SUITE_P(All, Faults, testing::Range<std::size_t>(0, 11));
 TEST(Plane, FromTouchedPointsHoldsToATenthOfAMillimetre) { EXPECT_LT(plane_error_mm(0.1, 3), 0.1); }
 
 poses::PlaneFit touched_plane(double touch_scale = 1) {
-  const auto T_base_camera = scene().T_base_flange[1] * scene().T_flange_camera;
   const image::Image picture = sim::board_picture(scene().camera, {}, scene().T_camera_board(1), {});
   const auto view = poses::detect_board(picture.view(), scene_board(), "board.png");
   std::vector<poses::TouchedCorner> touched;
@@ -197,7 +199,7 @@ struct Ran {
 
 Ran pickcell(const std::vector<std::string>& args) {
   std::ostringstream out, err;
-  const int code = run(args, {out, err});
+  const int code = cli::run(args, {out, err});
   return {code, out.str(), err.str()};
 }
 
