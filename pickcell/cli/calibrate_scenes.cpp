@@ -129,7 +129,7 @@ HandeyeScene handeye_scene(std::uint64_t seed, int stations) {
   const Vector3d centre = (out.T_base_board * core::Point<core::Board>{{0.1, 0.0625, 0}}).m;
   for (int i = 0; i < stations; ++i) {
     const double around = 2 * core::kPi * (i + random.unit()) / stations, tilt = random.uniform(0.15, 0.6);
-    const double far = random.uniform(0.36, 0.45);
+    const double far = random.uniform(0.46, 0.58);
     const Vector3d at =
         centre + far * Vector3d(std::sin(tilt) * std::cos(around), std::sin(tilt) * std::sin(around), std::cos(tilt));
     const Vector3d aim = centre + Vector3d(random.uniform(-0.02, 0.02), random.uniform(-0.015, 0.015), 0);
