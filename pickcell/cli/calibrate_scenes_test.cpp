@@ -45,13 +45,11 @@ TEST(BoardDetection, FindsRenderedCornersToATenthOfAPixel) {
   EXPECT_LT(std::sqrt(sum / n), 0.1);
 }
 
-TEST(BoardDetection, NamesALargerBoardAndABoardThatIsNotThere) {
-  const image::Image picture = sim::board_picture(scene().camera, {}, scene().T_camera_board(0), {});
-  const auto smaller = poses::detect_board(picture.view(), *poses::parse_board("chessboard:8x6:25mm"), "a.png");
-  ASSERT_FALSE(smaller);
-  EXPECT_EQ(smaller.error().code, core::ErrorCode::negative);
-  const image::Image empty = sim::board_picture(scene().camera, {.cols = 2, .rows = 2}, scene().T_camera_board(0), {});
-  EXPECT_FALSE(poses::detect_board(empty.view(), scene_board(), "b.png"));
+TEST(BoardDetection, SaysThatABoardIsNotThere) {
+  const image::Image picture(160, 120);
+  const auto found = poses::detect_board(picture.view(), scene_board(), "a.png");
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, core::ErrorCode::negative);
 }
 
 TEST(CameraCalibration, GivesTheLensOfTheSimulator) {

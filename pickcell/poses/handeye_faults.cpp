@@ -191,9 +191,11 @@ Eigen::Isometry3d move_of(const HandeyeInput& input, const Eigen::Isometry3d& po
 
 std::optional<Explanation> explain(const HandeyeInput& input, const Stations& stations, double median_px) {
   constexpr double kFarBetter = 0.4;
+  constexpr double kFitsPx = 3;  // what still leaves this much explains only part of the error
   std::optional<Explanation> best;
   const auto consider = [&](Explanation e) {
-    if (e.median_px < kFarBetter * median_px && (!best || e.median_px < best->median_px)) best = std::move(e);
+    const bool fits = e.median_px < kFitsPx || e.median_px < 0.1 * median_px;
+    if (fits && e.median_px < kFarBetter * median_px && (!best || e.median_px < best->median_px)) best = std::move(e);
   };
   for (const Reading& reading : readings(stations.size())) {
     Stations other = stations;
