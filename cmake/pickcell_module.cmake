@@ -1,10 +1,12 @@
-# pickcell_module(NAME [DEPENDS module...] [PUBLIC lib...] [PRIVATE lib...])
+# pickcell_module(NAME [DEPENDS module...] [PUBLIC lib...] [PRIVATE lib...] [WITHOUT regex])
+#
+# WITHOUT leaves out the .cpp files whose name matches: what an option switched off.
 #
 # The one way to declare a module: folder pickcell/NAME becomes the library pickcell::NAME from every .cpp in it, its headers
 # a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and every *_test.cpp the
 # test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the module's headers
 # (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by tools/check_includes.py.
-# WITHOUT name prefixes leave out the files of options that are off.
+# WITHOUT patterns of names leave out the files of options that are off.
 function(pickcell_module NAME)
   cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE;WITHOUT" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
@@ -14,10 +16,10 @@ function(pickcell_module NAME)
   if(tests)
     list(REMOVE_ITEM sources ${tests})
   endif()
-  foreach(prefix IN LISTS M_WITHOUT)
-    list(FILTER sources EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.cpp$")
-    list(FILTER headers EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.hpp$")
-    list(FILTER tests EXCLUDE REGEX "/${prefix}[a-z_0-9]*\\.cpp$")
+  foreach(stem IN LISTS M_WITHOUT)
+    foreach(list sources headers tests)
+      list(FILTER ${list} EXCLUDE REGEX "/(${stem})(_test)?\\.[ch]pp$")
+    endforeach()
   endforeach()
   set(target pickcell_${NAME})
   list(TRANSFORM M_DEPENDS PREPEND pickcell::)

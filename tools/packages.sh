@@ -5,9 +5,12 @@
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
   libhwy-dev libpng-dev libjpeg-dev zlib1g-dev libsqlite3-dev libboost-dev)
 packages_aravis=(libaravis-dev)  # GigE Vision and USB3 Vision; some 80 MB, so only when it is asked for
-packages_check=(git python3 ccache libgtest-dev libgmock-dev librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev
-  clang-format-19 "${packages_aravis[@]}" aravis-tools)  # aravis-tools: the fake camera that ours is judged against
-packages_fuzz=(clang-19)
+# OpenCV's detectors and Ceres, for calibrate (PICKCELL_WITH_CALIBRATION); about 600 MB with what they pull in, 1 to 2 minutes.
+packages_calibration=(libopencv-contrib-dev libceres-dev)
+# aravis-tools: the fake camera that ours is judged against
+packages_check=("${packages_calibration[@]}" "${packages_aravis[@]}" aravis-tools git python3 ccache libgtest-dev libgmock-dev
+  librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev clang-format-19)
+packages_fuzz=(clang-19 libclang-rt-19-dev)  # the second is only recommended by the first, and holds libFuzzer
 packages_hmi=()  # a Node that did not come from Debian's packages is as good
 command -v node >/dev/null || packages_hmi+=(nodejs)
 command -v npm >/dev/null || packages_hmi+=(npm)

@@ -43,6 +43,7 @@ core::Result<std::filesystem::path> demo_file(const Options& options) {
   if (!folder) return folder;
   DemoOptions demo;
   demo.seed = static_cast<std::uint64_t>(options.seed.value_or(1));
+  demo.calibrate = true;
   // Headless runs live on a simulated clock, whose dates those of the calibrations must fit.
   demo.now_unix_us = options.picks > 0 ? core::SimulatedClock().unix_us() : core::RealClock().unix_us();
   return prepare_demo(*folder, demo);

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "pickcell/cell/journal.hpp"
+#include "pickcell/cli/calibrate_demo.hpp"
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/date.hpp"
 #include "pickcell/core/file.hpp"
@@ -104,6 +105,15 @@ core::Status write_calibration(const fs::path& folder, const sim::CameraSettings
   return poses::save_plane(folder / "plane.toml", plane);
 }
 
+core::Status calibrate(const fs::path& folder, const sim::CameraSettings& camera, const sim::WorldSettings& world,
+                       const std::string& date) {
+#ifdef PICKCELL_WITH_CALIBRATION
+  return calibrate_demo(folder, camera, world, date);
+#else
+  return write_calibration(folder, camera, world, date);
+#endif
+}
+
 std::string cell_toml(const DemoOptions& options, const sim::WorldSettings& world) {
   std::string kinds;
   for (const std::string& kind : options.kinds) kinds += (kinds.empty() ? "\"" : ", \"") + kind + "\"";
@@ -172,7 +182,9 @@ core::Result<fs::path> prepare_demo(const fs::path& folder, const DemoOptions& o
   const std::string date = core::iso_utc(options.now_unix_us);
   for (const sim::TeachPicture& taken : sim::take_teach_pictures(options.kinds, camera, world.T_base_plane))
     if (auto taught = teach_part(folder, taken, options, date); !taught) return core::forward(taught);
-  if (auto written = write_calibration(folder, camera, world, date); !written) return core::forward(written);
+  auto calibrated =
+      options.calibrate ? calibrate(folder, camera, world, date) : write_calibration(folder, camera, world, date);
+  if (!calibrated) return core::forward(calibrated);
   const fs::path file = folder / "CELL.toml";
   if (auto written = core::write_file_atomically(file, cell_toml(options, world)); !written)
     return core::forward(written);

@@ -13,7 +13,8 @@ namespace pickcell::cli {
 
 struct DemoOptions {
   std::uint64_t seed = 1;
-  std::int64_t now_unix_us = 0;                                            ///< date of models and calibrations
+  std::int64_t now_unix_us = 0;  ///< date of models and calibrations
+  bool calibrate = false;        ///< camera.toml and plane.toml by calibrating, where the build can; else exact ones
   std::vector<std::string> kinds = {"bracket_l", "gear_18", "label_box"};  ///< at most four
   int camera_width_px = 1280;
   int camera_height_px = 1024;
@@ -25,9 +26,9 @@ struct DemoOptions {
   std::optional<TemplateSize> template_px{};
 };
 
-/// Photographs each kind with the simulated camera, teaches it, and writes PART.pcm, camera.toml, plane.toml (what a
-/// faultless calibration of that camera would give) and CELL.toml into the folder, which is made. Returns the path of
-/// CELL.toml.
+/// Photographs each kind with the simulated camera, teaches it, and writes PART.pcm, camera.toml, plane.toml (of the
+/// cell's own calibration, or what a faultless one would give) and CELL.toml into the folder, which is made. Returns
+/// the path of CELL.toml.
 [[nodiscard]] core::Result<std::filesystem::path> prepare_demo(const std::filesystem::path& folder,
                                                                const DemoOptions& options);
 

@@ -44,6 +44,12 @@ core::Transform<To, From> read_transform(Config& file, std::string_view key) {
   return core::Transform<To, From>(iso);
 }
 
+template <class To, class From>
+std::optional<core::Transform<To, From>> read_transform_if(Config& file, std::string_view key) {
+  if (!file.has(key)) return std::nullopt;
+  return read_transform<To, From>(file, key);
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -142,6 +148,8 @@ core::Result<PlaneCalibration> load_plane(const std::filesystem::path& path) {
   out.verdict = read_verdict(file);
   out.date = file.string("date");
   out.board_frame_only = file.boolean_or("board_frame_only", false);
+  out.board = file.string_or("board", "");
+  out.T_camera_board = read_transform_if<core::Camera, core::Board>(file, "T_camera_board");
   auto status = file.finish();
   if (!status) return core::forward(status);
   return out;
@@ -171,17 +179,53 @@ core::Status save_plane(const std::filesystem::path& path, const PlaneCalibratio
   out << "camera = " << quoted(plane.camera) << "\nrms_mm = " << plane.rms_mm
       << "\nverdict = " << quoted(name(plane.verdict)) << "\ndate = " << quoted(plane.date) << "\n";
   if (plane.board_frame_only) out << "board_frame_only = true\n";
+  if (!plane.board.empty()) out << "board = " << quoted(plane.board) << "\n";
+  if (plane.T_camera_board) write_matrix(out, "T_camera_board", plane.T_camera_board->matrix());
   return core::write_file_atomically(path, out.str());
 }
 
-core::Status check_fits(const CameraCalibration& camera, const PlaneCalibration& plane, const CalibrationUse& use) {
-  const auto refuse = [](const char* what, std::string why, const char* remedy) {
-    return failure(ErrorCode::unreadable, what, std::move(why), remedy);
-  };
+core::Result<HandeyeCalibration> load_handeye(const std::filesystem::path& path) {
+  auto parsed = Config::load(path);
+  if (!parsed) return core::forward(parsed);
+  Config& file = *parsed;
+  HandeyeCalibration out;
+  out.T_flange_camera = read_transform_if<core::Flange, core::Camera>(file, "T_flange_camera");
+  out.T_base_camera = read_transform_if<core::Base, core::Camera>(file, "T_base_camera");
+  out.T_base_board = read_transform_if<core::Base, core::Board>(file, "T_base_board");
+  out.T_flange_board = read_transform_if<core::Flange, core::Board>(file, "T_flange_board");
+  if (out.T_flange_camera.has_value() == out.T_base_camera.has_value())
+    file.problem("T_flange_camera", "or T_base_camera must be given, one of them");
+  out.camera = file.string("camera");
+  out.spread_mm = file.number("spread_mm");
+  out.plane_error_mm = file.number_or("plane_error_mm", out.spread_mm);
+  out.verdict = read_verdict(file);
+  out.date = file.string("date");
+  auto status = file.finish();
+  if (!status) return core::forward(status);
+  return out;
+}
+
+core::Status save_handeye(const std::filesystem::path& path, const HandeyeCalibration& handeye) {
+  auto out = toml_stream();
+  if (handeye.T_flange_camera) write_matrix(out, "T_flange_camera", handeye.T_flange_camera->matrix());
+  if (handeye.T_base_camera) write_matrix(out, "T_base_camera", handeye.T_base_camera->matrix());
+  if (handeye.T_base_board) write_matrix(out, "T_base_board", handeye.T_base_board->matrix());
+  if (handeye.T_flange_board) write_matrix(out, "T_flange_board", handeye.T_flange_board->matrix());
+  out << "camera = " << quoted(handeye.camera) << "\nspread_mm = " << handeye.spread_mm
+      << "\nplane_error_mm = " << handeye.plane_error_mm << "\nverdict = " << quoted(name(handeye.verdict))
+      << "\ndate = " << quoted(handeye.date) << "\n";
+  return core::write_file_atomically(path, out.str());
+}
+
+namespace {
+
+tl::unexpected<core::Error> refuse(const std::string& what, std::string why, const char* remedy) {
+  return failure(ErrorCode::unreadable, what, std::move(why), remedy);
+}
+
+core::Status camera_fits(const CameraCalibration& camera, const CalibrationUse& use) {
   if (camera.verdict == Verdict::reject)
     return refuse("camera calibration", "its verdict is reject", "calibrate the camera again");
-  if (plane.verdict == Verdict::reject)
-    return refuse("plane calibration", "its verdict is reject", "calibrate the plane again");
   if (camera.lens.width_px != use.width_px || camera.lens.height_px != use.height_px)
     return refuse("camera calibration",
                   "made for pictures of " + std::to_string(camera.lens.width_px) + "x" +
@@ -191,21 +235,45 @@ core::Status check_fits(const CameraCalibration& camera, const PlaneCalibration&
   if (!camera.camera_id.empty() && !use.camera_id.empty() && camera.camera_id != use.camera_id)
     return refuse("camera calibration", "made with camera '" + camera.camera_id + "', this is '" + use.camera_id + "'",
                   "calibrate this camera");
-  if (plane.camera != camera.checksum)
-    return refuse("plane calibration",
-                  "made with another camera.toml (" + plane.camera + ", now " + camera.checksum + ")",
-                  "calibrate the plane again with this camera calibration");
-  if (plane.board_frame_only)
-    return refuse("plane calibration", "made from a board picture alone: it knows no robot frame",
-                  "touch board corners with the tool and give them with --touched");
-  for (const auto& [what, date] : {std::pair{"camera calibration", camera.date}, {"plane calibration", plane.date}}) {
-    const auto age = age_days(date, use.now_unix_us);
-    if (!age) return refuse(what, "its date '" + date + "' is no date", "calibrate again");
-    if (*age > use.max_age_days)
-      return refuse(what, "older than " + std::to_string(static_cast<int>(use.max_age_days)) + " days (" + date + ")",
-                    "verify or calibrate again");
-  }
   return {};
+}
+
+core::Status made_with(const std::string& what, const std::string& checksum, const CameraCalibration& camera) {
+  if (checksum == camera.checksum) return {};
+  return refuse(what, "made with another camera.toml (" + checksum + ", now " + camera.checksum + ")",
+                "calibrate it again with this camera calibration");
+}
+
+core::Status young_enough(const std::string& what, const std::string& date, const CalibrationUse& use) {
+  const auto age = age_days(date, use.now_unix_us);
+  if (!age) return refuse(what, "its date '" + date + "' is no date", "calibrate again");
+  if (*age > use.max_age_days)
+    return refuse(what, "older than " + std::to_string(static_cast<int>(use.max_age_days)) + " days (" + date + ")",
+                  "verify or calibrate again");
+  return {};
+}
+
+}  // namespace
+
+core::Status check_fits(const CameraCalibration& camera, const PlaneCalibration& plane, const CalibrationUse& use) {
+  const std::string what = "plane calibration";
+  if (auto fits = camera_fits(camera, use); !fits) return fits;
+  if (plane.verdict == Verdict::reject) return refuse(what, "its verdict is reject", "calibrate the plane again");
+  if (auto fits = made_with(what, plane.camera, camera); !fits) return fits;
+  if (plane.board_frame_only)
+    return refuse(what, "made from a board picture alone: it knows no robot frame",
+                  "touch board corners with the tool and give them with --touched");
+  if (auto fits = young_enough("camera calibration", camera.date, use); !fits) return fits;
+  return young_enough(what, plane.date, use);
+}
+
+core::Status check_fits(const CameraCalibration& camera, const HandeyeCalibration& handeye, const CalibrationUse& use) {
+  const std::string what = "hand-eye calibration";
+  if (auto fits = camera_fits(camera, use); !fits) return fits;
+  if (handeye.verdict == Verdict::reject) return refuse(what, "its verdict is reject", "calibrate hand and eye again");
+  if (auto fits = made_with(what, handeye.camera, camera); !fits) return fits;
+  if (auto fits = young_enough("camera calibration", camera.date, use); !fits) return fits;
+  return young_enough(what, handeye.date, use);
 }
 
 }  // namespace pickcell::poses

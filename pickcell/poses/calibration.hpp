@@ -37,15 +37,33 @@ struct PlaneCalibration {
   Verdict verdict = Verdict::reject;
   std::string date;
   bool board_frame_only =
-      false;  ///< made from a board picture alone: no robot frame, refused by a cell that moves an arm
+      false;          ///< made from a board picture alone: no robot frame, refused by a cell that moves an arm
+  std::string board;  ///< BOARD of the reference picture for verify; may be empty
+  std::optional<core::Transform<core::Camera, core::Board>> T_camera_board;  ///< the reference, with board
+};
+
+/// A camera on the arm (T_flange_camera) or beside it (T_base_camera): one of the two is set. The places of the board
+/// are keys of our own.
+struct HandeyeCalibration {
+  std::optional<core::Transform<core::Flange, core::Camera>> T_flange_camera;
+  std::optional<core::Transform<core::Base, core::Camera>> T_base_camera;
+  std::optional<core::Transform<core::Base, core::Board>> T_base_board;      ///< with T_flange_camera
+  std::optional<core::Transform<core::Flange, core::Board>> T_flange_board;  ///< with T_base_camera
+  std::string camera;  ///< checksum of the camera.toml it was made with
+  double spread_mm = 0;
+  double plane_error_mm = 0;
+  Verdict verdict = Verdict::reject;
+  std::string date;
 };
 
 [[nodiscard]] core::Result<CameraCalibration> load_camera(const std::filesystem::path& path);
 [[nodiscard]] core::Result<PlaneCalibration> load_plane(const std::filesystem::path& path);
+[[nodiscard]] core::Result<HandeyeCalibration> load_handeye(const std::filesystem::path& path);
 
 /// Writes the file and returns what load_camera would: with its checksum.
 [[nodiscard]] core::Result<CameraCalibration> save_camera(const std::filesystem::path& path, CameraCalibration camera);
 [[nodiscard]] core::Status save_plane(const std::filesystem::path& path, const PlaneCalibration& plane);
+[[nodiscard]] core::Status save_handeye(const std::filesystem::path& path, const HandeyeCalibration& handeye);
 
 /// What the running cell is; calibrations that do not fit it are refused.
 struct CalibrationUse {
@@ -58,6 +76,9 @@ struct CalibrationUse {
 /// Refuses, naming the file's fault and the remedy: verdict reject, another picture size, another non-empty camera_id,
 /// a differing camera checksum, a board frame, older than max_age_days, an unreadable date.
 [[nodiscard]] core::Status check_fits(const CameraCalibration& camera, const PlaneCalibration& plane,
+                                      const CalibrationUse& use);
+/// The same for a hand-eye calibration.
+[[nodiscard]] core::Status check_fits(const CameraCalibration& camera, const HandeyeCalibration& handeye,
                                       const CalibrationUse& use);
 
 }  // namespace pickcell::poses

@@ -1,0 +1,322 @@
+#include "pickcell/poses/handeye.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pickcell/core/statistics.hpp"
+#include "pickcell/core/units.hpp"
+#include "pickcell/poses/board_pose.hpp"
+#include "pickcell/poses/handeye_problem.hpp"
+#include "pickcell/poses/lens_fit.hpp"
+#include "pickcell/poses/verdicts.hpp"
+
+namespace pickcell::poses {
+
+namespace {
+
+using core::ErrorCode;
+using core::failure;
+using detail::HandEye;
+using detail::Station;
+using detail::Stations;
+
+constexpr std::size_t kFewest = 3;
+constexpr Bounds kJointPx{0.5, 1, 2};
+constexpr Bounds kSpreadMm{0.3, 1, 2};
+constexpr Bounds kSpreadDeg{0.02, 0.1, 0.2};
+constexpr Bounds kPlaneMm{0.2, 0.6, 2.5};
+constexpr Bounds kPicturePx{0.5, 1, 2};
+constexpr double kBadPoseFactor = 4;  ///< times the usual share of the arm in a picture's error
+constexpr double kLeastShare = 0.4;   ///< of the pictures' own error, below which the arm's share means nothing
+constexpr double kMostLeftOut = 0.4;  ///< of the pictures
+
+/// The work in progress: stations[i] belongs to input.views[index[i]].
+struct Work {
+  const HandeyeInput& input;
+  std::vector<Eigen::Vector2d> board_m;
+  Stations stations;
+  std::vector<std::size_t> index;
+  std::vector<LeftOut> left_out;
+
+  [[nodiscard]] const std::string& image(std::size_t i) const { return input.views[index[i]].picture.image; }
+  void leave_out(std::size_t i, std::string reason) {
+    left_out.push_back({image(i), std::move(reason)});
+    stations.erase(stations.begin() + static_cast<std::ptrdiff_t>(i));
+    index.erase(index.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+};
+
+core::Result<Work> begin(const HandeyeInput& input) {
+  Work work{input, board_points_m(input.board), {}, {}, {}};
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    const ArmView& v = input.views[i];
+    const auto pose = board_pose(input.lens, input.board, v.picture.view);
+    if (!pose) {
+      work.left_out.push_back({v.picture.image, "its points fix no pose of the board"});
+      continue;
+    }
+    work.stations.push_back(
+        {detail::move_of(input, v.arm.pose()), pose->T_camera_board.iso(), v.picture.view, pose->rms_px});
+    work.index.push_back(i);
+  }
+  if (work.stations.size() < kFewest)
+    return failure(ErrorCode::negative, "hand-eye",
+                   std::to_string(work.stations.size()) + " pictures with a board and a pose are too few",
+                   "take at least 3, better 15, turned about different axes");
+  return work;
+}
+
+core::Status check_motions(const Work& work) {
+  const std::string units = detail::suspicious_units(work.input.views);
+  const std::string why = detail::unsolvable(work.stations);
+  if (why.empty()) return {};
+  return failure(ErrorCode::negative, "hand-eye", (units.empty() ? "" : units + "; ") + why + ": cannot be solved",
+                 "turn the wrist about at least two different axes by 20 degrees and more");
+}
+
+/// The share of the arm in a picture's error: what its own board pose leaves unexplained.
+double arm_share_px(double joint_px, double picture_px) {
+  return std::sqrt(std::max(0.0, joint_px * joint_px - picture_px * picture_px));
+}
+
+/// The pose that the picture asks of the arm, against the one it has.
+struct PoseError {
+  double mm = 0, deg = 0;
+};
+
+PoseError pose_error(const Station& station, const Eigen::Isometry3d& move, const HandEye& result) {
+  const Eigen::Isometry3d wanted = result.Y * (result.X * station.T_camera_board).inverse();
+  const Eigen::Isometry3d off = move.inverse() * wanted;
+  return {core::mm_from_m(off.translation().norm()), detail::angle_deg(off.linear())};
+}
+
+/// "its pose is 2.1 mm and 0.02 deg off", or that its pose belongs to another picture.
+std::string reason_of(const Work& work, std::size_t i, const HandEye& result, const Stations& all,
+                      const std::vector<std::size_t>& all_index) {
+  const PoseError own = pose_error(work.stations[i], work.stations[i].move, result);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (all_index[k] == work.index[i]) continue;
+    const PoseError other = pose_error(work.stations[i], all[k].move, result);
+    if (other.mm < 0.1 * own.mm + 0.3 && other.deg < 0.1 * own.deg + 0.1 && own.mm + own.deg > 5)
+      return "rows swapped: its picture fits the pose of " + work.input.views[all_index[k]].picture.image;
+  }
+  return "its pose does not fit the others: " + figure(own.mm, 1) + " mm and " + figure(own.deg, 2) + " deg off";
+}
+
+HandEye leave_out_bad_poses(Work& work, HandEye result) {
+  const Stations all = work.stations;
+  const std::vector<std::size_t> all_index = work.index;
+  const auto most = static_cast<std::size_t>(kMostLeftOut * static_cast<double>(all.size()));
+  const Lens& lens = work.input.lens;
+  // First against the robust start, so that no bad pose pulls at the fit; then one by one against the fit.
+  for (bool fitted = false;; fitted = true) {
+    while (all.size() - work.stations.size() < most && work.stations.size() > kFewest + 1) {
+      const auto joint = detail::station_rms_px(lens, work.board_m, work.stations, result);
+      std::vector<double> share, picture;
+      for (std::size_t i = 0; i < joint.size(); ++i) {
+        picture.push_back(work.stations[i].picture_rms_px);
+        share.push_back(arm_share_px(joint[i], picture[i]));
+      }
+      const double allowed =
+          (fitted ? 1 : 1.5) * kBadPoseFactor * std::max(*core::median(share), kLeastShare * *core::median(picture));
+      const auto worst = std::max_element(share.begin(), share.end());
+      if (*worst <= std::max(allowed, 0.15)) break;
+      const auto i = static_cast<std::size_t>(worst - share.begin());
+      work.leave_out(i, reason_of(work, i, result, all, all_index));
+      if (fitted) result = detail::refine(lens, work.board_m, work.stations, result);
+    }
+    if (fitted) return result;
+    result = detail::refine(lens, work.board_m, work.stations, result);
+  }
+}
+
+double plane_error_mm(const Work& work, const Station& station, const HandEye& result, double& sum_mm,
+                      std::size_t& count) {
+  const Eigen::Isometry3d T_board_camera = ((station.move * result.X).inverse() * result.Y).inverse();
+  double sum = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < station.view.ids.size(); ++i) {
+    const auto ray = undistort(work.input.lens, station.view.pixels[i]);
+    if (!ray) continue;
+    const Eigen::Vector3d along = T_board_camera.linear() * Eigen::Vector3d(ray->x(), ray->y(), 1);
+    const Eigen::Vector3d from = T_board_camera.translation();
+    const Eigen::Vector2d hit = (from - along * (from.z() / along.z())).head<2>();
+    sum += core::mm_from_m((hit - work.board_m[static_cast<std::size_t>(station.view.ids[i])]).norm());
+    ++n;
+  }
+  sum_mm += sum;
+  count += n;
+  return n ? sum / static_cast<double>(n) : 0;
+}
+
+double holdout_mm(const Work& work, const HandEye& result) {
+  const std::size_t n = work.stations.size(), folds = std::min<std::size_t>(n, 10);
+  if (n <= kFewest) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    Stations training;
+    for (std::size_t i = 0; i < n; ++i)
+      if (i % folds != fold) training.push_back(work.stations[i]);
+    const HandEye fit = detail::refine(work.input.lens, work.board_m, training, result);
+    for (std::size_t i = fold; i < n; i += folds) plane_error_mm(work, work.stations[i], fit, sum, count);
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(1, count));
+}
+
+/// The five solvers over the good poses, each refined from; the best refined one wins.
+HandEye run_solvers(const Work& work, const HandEye& robust, HandeyeFit& out) {
+  const auto total = [&](const HandEye& h) {
+    double sum = 0;
+    for (const double r : detail::station_rms_px(work.input.lens, work.board_m, work.stations, h)) sum += r * r;
+    return sum;
+  };
+  HandEye best = robust;
+  double least = total(robust);
+  out.method = "PARK";  // the robust start is PARK's
+  for (const detail::Solver solver : detail::kSolvers) {
+    const auto solved = detail::solve(work.stations, solver);
+    if (!solved) {
+      out.by_method.emplace_back(name(solver), Spread{std::nan(""), std::nan("")});
+      continue;
+    }
+    out.by_method.emplace_back(name(solver), detail::spread_of(detail::board_places(work.stations, solved->X)));
+    const HandEye refined = detail::refine(work.input.lens, work.board_m, work.stations, *solved);
+    if (const double t = total(refined); t < least * (1 - 1e-6)) {
+      least = t;
+      best = refined;
+      out.method = name(solver);
+    }
+  }
+  out.method += "+reprojection";
+  return best;
+}
+
+void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
+  double sum_px = 0, sum_mm = 0;
+  std::size_t points = 0, cast = 0;
+  std::vector<double> pictures;
+  for (std::size_t i = 0; i < work.stations.size(); ++i) {
+    const Station& s = work.stations[i];
+    HandeyeView v;
+    v.image = work.image(i);
+    v.view = s.view;
+    v.residual_px = detail::residuals_px(work.input.lens, work.board_m, s, result);
+    v.rms_px = detail::rms(v.residual_px);
+    v.picture_rms_px = s.picture_rms_px;
+    v.plane_error_mm = plane_error_mm(work, s, result, sum_mm, cast);
+    const PoseError off = pose_error(s, s.move, result);
+    v.arm_mm = off.mm;
+    v.arm_deg = off.deg;
+    sum_px += v.rms_px * v.rms_px * static_cast<double>(s.view.ids.size());
+    points += s.view.ids.size();
+    pictures.push_back(s.picture_rms_px);
+    out.views.push_back(std::move(v));
+  }
+  out.rms_px = std::sqrt(sum_px / static_cast<double>(std::max<std::size_t>(1, points)));
+  out.plane_error_mm = sum_mm / static_cast<double>(std::max<std::size_t>(1, cast));
+  out.picture_rms_px = *core::median(pictures);
+  out.spread = detail::spread_of(detail::board_places(work.stations, result.X));
+  out.holdout_mm = holdout_mm(work, result);
+}
+
+void fill_calibration(const Work& work, const HandEye& result, HandeyeFit& out) {
+  HandeyeCalibration& c = out.calibration;
+  if (work.input.mounting == Mounting::eye_in_hand) {
+    c.T_flange_camera = core::Transform<core::Flange, core::Camera>(result.X);
+    c.T_base_board = core::Transform<core::Base, core::Board>(result.Y);
+  } else {
+    c.T_base_camera = core::Transform<core::Base, core::Camera>(result.X);
+    c.T_flange_board = core::Transform<core::Flange, core::Board>(result.Y);
+  }
+  c.spread_mm = out.spread.mm;
+  c.plane_error_mm = out.plane_error_mm;
+}
+
+void judge_fit(HandeyeFit& out, bool poses_left_out) {
+  Judgement verdict;
+  if (!out.fault.empty()) verdict.add(Verdict::reject, out.fault);
+  verdict.add(judge(out.rms_px, kJointPx), "joint reprojection " + figure(out.rms_px, 2) + " px");
+  verdict.add(
+      std::max(judge(out.spread.mm, kSpreadMm), judge(out.spread.deg, kSpreadDeg)),
+      "the board's place scatters by " + figure(out.spread.mm, 2) + " mm, " + figure(out.spread.deg, 3) + " deg");
+  verdict.add(judge(out.plane_error_mm, kPlaneMm), "plane error " + figure(out.plane_error_mm, 2) + " mm");
+  verdict.add(judge(out.picture_rms_px, kPicturePx), "the pictures alone fit the camera calibration only to " +
+                                                         figure(out.picture_rms_px, 2) +
+                                                         " px (lens, board size or picture size is wrong)");
+  if (poses_left_out)
+    verdict.add(Verdict::usable, std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image +
+                                     ": " + out.left_out.front().reason);
+  if (out.views.size() < 6) verdict.add(Verdict::usable, std::to_string(out.views.size()) + " pictures are few");
+  out.calibration.verdict = verdict.verdict();
+  out.why = verdict.why();
+}
+
+/// Which part of the arm's poses disagrees, when nothing else explains the error.
+std::string scatter_of_poses(const HandeyeFit& out) {
+  std::vector<double> mm, deg;
+  for (const HandeyeView& v : out.views) {
+    mm.push_back(v.arm_mm);
+    deg.push_back(v.arm_deg);
+  }
+  return "pose error: the arm's poses and the pictures disagree by " + figure(*core::median(mm), 1) + " mm and " +
+         figure(*core::median(deg), 2) + " deg (median)";
+}
+
+/// Whether a lens from these very pictures would do far better, in words, or "".
+std::string better_lens(const Work& work, double rms_px) {
+  constexpr double kFarBetter = 0.7;
+  std::vector<NamedView> views;
+  for (std::size_t i = 0; i < work.stations.size(); ++i) views.push_back({work.image(i), work.stations[i].view});
+  const auto fit = fit_lens(work.input.board, views, LensModel::k1k2);
+  if (!fit) return {};
+  Stations stations = work.stations;
+  for (std::size_t i = 0; i < stations.size(); ++i) stations[i].T_camera_board = fit->views[i].T_camera_board.iso();
+  const auto solved = detail::solve(stations, detail::Solver::park);
+  if (!solved) return {};
+  const HandEye refined = detail::refine(fit->lens, work.board_m, stations, *solved);
+  double sum = 0;
+  for (const double r : detail::station_rms_px(fit->lens, work.board_m, stations, refined)) sum += r * r;
+  const double own_px = std::sqrt(sum / static_cast<double>(stations.size()));
+  if (!(own_px < kFarBetter * rms_px)) return {};
+  return "the lens in camera.toml does not fit: with one calibrated from these pictures the joint reprojection is " +
+         figure(own_px, 2) + " px";
+}
+
+}  // namespace
+
+core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
+  auto started = begin(input);
+  if (!started) return core::forward(started);
+  Work& work = *started;
+  if (auto fine = check_motions(work); !fine) return core::forward(fine);
+  auto robust = detail::solve_robustly(input.lens, input.board, work.stations);
+  if (!robust) return failure(ErrorCode::negative, "hand-eye", "no solver gives a result", "record the poses again");
+  const Stations as_given = work.stations;
+  HandeyeFit out;
+  out.left_out = work.left_out;
+  const std::size_t without_pose = work.left_out.size();
+  const HandEye without_bad = leave_out_bad_poses(work, *robust);
+  const HandEye result = run_solvers(work, without_bad, out);
+  out.left_out = work.left_out;
+  measure(work, result, out);
+  judge_fit(out, out.left_out.size() > without_pose);
+  // A fault of the whole set shows as poses that nothing fits: too many left out, or a bad result.
+  if (out.calibration.verdict >= Verdict::usable) {
+    const double median_px = *core::median(detail::station_rms_px(input.lens, work.board_m, as_given, *robust));
+    if (auto e = detail::explain(input, as_given, std::max(median_px, out.rms_px)))
+      out.fault = e->fault;
+    else if (const std::string units = detail::suspicious_units(input.views); !units.empty())
+      out.fault = units;
+    judge_fit(out, out.left_out.size() > without_pose);
+    if (out.rms_px > kJointPx.good)
+      if (const std::string lens = better_lens(work, out.rms_px); !lens.empty()) out.why += "; " + lens;
+    if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
+      out.why += "; " + scatter_of_poses(out);
+  }
+  fill_calibration(work, result, out);
+  return out;
+}
+
+}  // namespace pickcell::poses
