@@ -12,6 +12,7 @@
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/date.hpp"
 #include "pickcell/core/file.hpp"
+#include "pickcell/core/log.hpp"
 #include "pickcell/core/units.hpp"
 #include "pickcell/image/codec.hpp"
 #include "pickcell/matches/model_file.hpp"
@@ -110,6 +111,9 @@ core::Status calibrate(const fs::path& folder, const sim::CameraSettings& camera
 #ifdef PICKCELL_WITH_CALIBRATION
   return calibrate_demo(folder, camera, world, date);
 #else
+  core::log(
+      core::LogLevel::warning, "calibration",
+      "this build has no calibrate (PICKCELL_WITH_CALIBRATION): the cell takes the simulation's own lens and plane");
   return write_calibration(folder, camera, world, date);
 #endif
 }

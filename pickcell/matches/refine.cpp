@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kScaleSlack = 0.05;
 constexpr double kFixedScaleSlack = 0.02;  // the scale is known: what is left is tilt and the lens
-constexpr double kStepLimit_px = 2.0;  // of the rim, pixels of the level
-constexpr double kRunAway_px = 4.0;    // pixels of the level
+constexpr double kStepLimit_px = 2.0;      // of the rim, pixels of the level
+constexpr double kRunAway_px = 4.0;        // pixels of the level
 constexpr int kFinalSteps = 8;
 constexpr double kFinalStop_px = 0.01;   // rim movement at which Gauss-Newton has arrived
 constexpr double kClearlyBetter = 0.02;  // of the score

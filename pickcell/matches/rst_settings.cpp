@@ -154,7 +154,8 @@ core::Result<RstSettings> parse_rst_settings(const Settings& settings, std::stri
 }
 
 int pyramid_level_for(int width, int height) {
-  return std::clamp(static_cast<int>(std::floor(std::log2(std::sqrt(static_cast<double>(width) * height) / 25.0))), 1, 3);
+  return std::clamp(static_cast<int>(std::floor(std::log2(std::sqrt(static_cast<double>(width) * height) / 25.0))), 1,
+                    3);
 }
 
 std::vector<double> scales_for(Range range, std::optional<int> count) {

@@ -45,8 +45,8 @@ struct RstSettings {
 /// keys.
 [[nodiscard]] core::Result<RstSettings> parse_rst_settings(const Settings& settings, std::string_view engine);
 
-/// NP by the template's size: 1 for 40..100 px, 2 for 100..200, 3 above. The size of a template that is not square is the
-/// side of the square of its area: by its shorter side, 250 x 64 would be small and cost sixteen times as much.
+/// NP by the template's size: 1 for 40..100 px, 2 for 100..200, 3 above. The size of a template that is not square is
+/// the side of the square of its area: by its shorter side, 250 x 64 would be small and cost sixteen times as much.
 [[nodiscard]] int pyramid_level_for(int width, int height);
 
 /// Scales for a range: {lo} when it is a point; {0.9, 1, 1.1} for exactly that range; else 1 + ceil(ln(hi/lo)/ln 1.12)

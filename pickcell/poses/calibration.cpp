@@ -142,7 +142,7 @@ core::Result<PlaneCalibration> load_plane(const std::filesystem::path& path) {
   Config& file = *parsed;
   PlaneCalibration out;
   out.T_base_plane = read_transform<core::Base, core::Plane>(file, "T_base_plane");
-  out.T_base_camera = read_transform<core::Base, core::Camera>(file, "T_base_camera");
+  out.T_base_camera = out.T_base_plane * read_transform<core::Camera, core::Plane>(file, "T_camera_plane").inverse();
   out.camera = file.string("camera");
   out.rms_mm = file.number("rms_mm");
   out.verdict = read_verdict(file);
@@ -175,7 +175,7 @@ core::Result<CameraCalibration> save_camera(const std::filesystem::path& path, C
 core::Status save_plane(const std::filesystem::path& path, const PlaneCalibration& plane) {
   auto out = toml_stream();
   write_matrix(out, "T_base_plane", plane.T_base_plane.matrix());
-  write_matrix(out, "T_base_camera", plane.T_base_camera.matrix());
+  write_matrix(out, "T_camera_plane", (plane.T_base_camera.inverse() * plane.T_base_plane).matrix());
   out << "camera = " << quoted(plane.camera) << "\nrms_mm = " << plane.rms_mm
       << "\nverdict = " << quoted(name(plane.verdict)) << "\ndate = " << quoted(plane.date) << "\n";
   if (plane.board_frame_only) out << "board_frame_only = true\n";

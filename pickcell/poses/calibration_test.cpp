@@ -44,7 +44,7 @@ TEST_F(CalibrationFiles, SurviveSavingAndLoading) {
   ASSERT_TRUE(save_plane(folder_ / "plane.toml", plane_));
   const auto plane = load_plane(folder_ / "plane.toml");
   ASSERT_TRUE(plane);
-  EXPECT_TRUE(plane->T_base_camera.matrix().isApprox(plane_.T_base_camera.matrix(), 1e-15));
+  EXPECT_TRUE(plane->T_base_camera.matrix().isApprox(plane_.T_base_camera.matrix(), 1e-12));
   EXPECT_TRUE(check_fits(*camera, *plane, use_));
 }
 

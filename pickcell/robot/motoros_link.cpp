@@ -1,8 +1,11 @@
 #include "pickcell/robot/motoros_link.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
+#include "pickcell/core/units.hpp"
 #include "pickcell/robot/pose_angles.hpp"
 
 namespace pickcell::robot {
@@ -144,12 +147,18 @@ core::Result<std::vector<MotoTrajectoryPoint>> MotoRosLink::plan(const DirectMov
     return core::failure(ErrorCode::safety, "motoros", "the target is out of reach, or only with another form",
                          "choose a target nearer to where the arm stands");
   }
+  const FlangeInBase here = flange_in_base(*arm_, from);
   FlangeInBase target = flange_at(move.target);
   if (move.kind == DirectMove::Kind::line_by) {
-    const FlangeInBase here = flange_in_base(*arm_, from);
     target = {target.rotation() * here.rotation(), here.translation_m() + target.translation_m()};
   }
-  return plan_line(limits, from, target, move.speed);
+  if (!move.turning) return plan_line(limits, from, target, move.speed);
+  // The speed is that of the turn: the way takes as long.
+  const double turn_deg =
+      core::deg_from_rad(Eigen::Quaterniond(here.rotation()).angularDistance(Eigen::Quaterniond(target.rotation())));
+  const double way_mm = core::mm_from_m((target.translation_m() - here.translation_m()).norm());
+  constexpr double kLeast_mm_s = 0.1;
+  return plan_line(limits, from, target, std::max(kLeast_mm_s, way_mm * move.speed / std::max(turn_deg, 1e-3)));
 }
 
 core::Status MotoRosLink::move(const DirectMove& move) {
