@@ -27,14 +27,15 @@ Or<void> Arm::connect() {
 }
 
 Or<void> Arm::reset(bool person_looked) {
-  if (robot_.connected()) {
-    const auto state = robot_.state();
-    if (state && (state->alarm || state->error))
-      if (auto cleared = robot_.reset(); !cleared) return failed(cleared.error(), "clearing the alarm");
-    if (state && state->hold_command)
-      if (auto released = robot_.hold(false); !released) return failed(released.error(), "taking back the hold");
-  }
+  const bool was_connected = robot_.connected();
+  if (was_connected)
+    if (auto cleared = clear(); !cleared) return tl::unexpected(cleared.error());
   auto connected = connect();
+  if (!was_connected && robot_.connected()) {
+    const auto cleared = clear();
+    if (!cleared) return tl::unexpected(cleared.error());
+    if (*cleared) connected = connect();
+  }
   if (!connected && robot_.connected()) {
     // Outside of remote play a controller refuses what connecting writes: the mode is the reason then, not the refusal.
     if (auto ready = poll(Need::ready); !ready) return tl::unexpected(ready.error());
@@ -45,6 +46,17 @@ Or<void> Arm::reset(bool person_looked) {
   const auto state = poll(Need::ready);
   if (!state) return tl::unexpected(state.error());
   return {};
+}
+
+Or<bool> Arm::clear() {
+  const auto state = robot_.state();
+  if (!state) return false;  // connecting tells why
+  const bool alarm = state->alarm || state->error;
+  if (alarm)
+    if (auto cleared = robot_.reset(); !cleared) return failed(cleared.error(), "clearing the alarm");
+  if (state->hold_command)
+    if (auto released = robot_.hold(false); !released) return failed(released.error(), "taking back the hold");
+  return alarm || state->hold_command;
 }
 
 Or<void> Arm::start() {

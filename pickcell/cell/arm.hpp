@@ -48,6 +48,8 @@ class Arm {
   [[nodiscard]] AlarmList& alarms() { return alarms_; }
 
  private:
+  /// Clears alarm and commanded hold where there are any; says whether there were.
+  [[nodiscard]] Or<bool> clear();
   [[nodiscard]] Halt with_alarm_text(Halt halt);
 
   robot::Robot& robot_;

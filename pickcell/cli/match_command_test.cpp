@@ -301,8 +301,6 @@ TEST_F(MatchCommand, BadValuesOfOptionsAreUsageErrors) {
   refused({"match", part, picture, "--threads", "0"}, "--threads");
   refused({"match", part, picture, "--roi", "0,0,0,5"}, "--roi: '0,0,0,5' is not a rectangle");
   refused({"match", part, picture, "--roi", "300,0,50,50"}, "does not lie inside the picture");
-  refused({"match", part, picture, "--engine", "rst"}, "engine rst");
-  refused({"match", part, picture, "--engine", "erst"}, "engine erst");
   refused({"match", part, picture, "--engine", "bset"}, "engine bset");
   refused({"match", part, picture, "--set", "no_such=1"}, "no_such");
   refused({"match", part, picture, "--set", "oops"}, "write --set KEY=VALUE");

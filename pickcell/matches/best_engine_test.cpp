@@ -100,7 +100,7 @@ TEST(BestEngine, RefusesWhatItCannotDo) {
   not_a_number.scale = Range{std::nan(""), 1};
   EXPECT_FALSE((*engine)->find(tiny, models, not_a_number));
 
-  EXPECT_FALSE(make_engine("rst", {}));
+  EXPECT_FALSE(make_engine("bset", {}));
   const auto typo = make_engine("best", {{"efort", "quick"}});
   ASSERT_FALSE(typo);
   EXPECT_NE(typo.error().remedy.find("effort"), std::string::npos);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kRemembered = 1000;
 
-core::Duration microseconds(double us) { return core::duration_s(us * 1e-6); }
+core::Duration microseconds(double us) { return core::Duration(std::llround(us * 1e3)); }
 
 SeenPart seen(const PartTruth& truth, const LaidPart& laid, const Perspective& perspective, const Intrinsics& camera) {
   const double h = laid.part->kind().height_mm;
