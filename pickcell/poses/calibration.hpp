@@ -27,8 +27,8 @@ struct CameraCalibration {
   std::string checksum;  ///< "crc32:XXXXXXXX" of the file; set by loading and saving
 };
 
-/// A fixed camera over a work plane. The file holds, beside the keys of interfaces.md, T_camera_plane: the camera stands
-/// where it stands over the plane, so that whoever corrects T_base_plane moves what is seen with it.
+/// A fixed camera over a work plane. The file holds, beside the keys of interfaces.md, T_camera_plane: the camera
+/// stands where it stands over the plane, so that whoever corrects T_base_plane moves what is seen with it.
 struct PlaneCalibration {
   core::Transform<core::Base, core::Plane> T_base_plane;
   core::Transform<core::Base, core::Camera> T_base_camera;
