@@ -120,8 +120,8 @@ TEST(Sim, RefusesDoorsThatItDoesNotHaveAndBadValues) {
 
 TEST(Sim, ReadsItsFileAndItsScenario) {
   const std::string path = testing::TempDir() + "pickcell_sim_test.toml";
-  std::ofstream(path)
-      << "controller = \"dx200\"\ntcp80_port = 0\nhses_port = 0\n[[event]]\nafter_command = 2\nfault = \"hold\"\n";
+  std::ofstream(path) << "controller = \"dx200\"\ntcp80_port = 0\nhses_port = 0\nmotoros_port = "
+                         "0\n[[event]]\nafter_command = 2\nfault = \"hold\"\n";
   SimProcess sim({path});
   const int port = port_in(sim.until("ready\n"));
   ASSERT_GT(port, 0);
