@@ -12,7 +12,7 @@ function(pickcell_module NAME)
   set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp)
-  list(FILTER headers EXCLUDE REGEX "/[a-z_0-9]*kernel-inl\\.hpp$")  # pieces of a .cpp that is compiled once per SIMD target
+  list(FILTER headers EXCLUDE REGEX "/[a-z_0-9]*-inl\\.hpp$")  # pieces of .cpp files
   file(GLOB tests CONFIGURE_DEPENDS ${dir}/*_test.cpp)
   if(tests)
     list(REMOVE_ITEM sources ${tests})

@@ -292,6 +292,24 @@ TEST_F(ServerTest, RefusesPagesOfOthersAndTooMany) {
   EXPECT_EQ(await(second, "video")["on"].boolean(), false);
 }
 
+/// Browsers keep connections open without using them.
+TEST_F(ServerTest, IdleConnectionsShutNobodyOut) {
+  ServerSettings settings = quick();
+  settings.max_connections = 8;
+  serve(settings);
+  RawPage page(port_);
+  await(page, "snap");
+  std::vector<std::unique_ptr<RawSocket>> idle;
+  for (int i = 0; i < 50; ++i) {
+    idle.push_back(std::make_unique<RawSocket>(port_));
+    if (i % 2 == 0) idle.back()->send("GET / HT");
+  }
+  EXPECT_EQ(ask(port_, "GET", "/").status, 200);
+  EXPECT_EQ(idle.front()->read_to_end(), "") << "the one that waited longest has made room";
+  idle.back()->send("TP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\nConnection: close\r\n\r\n");
+  await(page, "hb");
+}
+
 TEST_F(ServerTest, StopsWithPagesOpenAndCanBeFollowedByAnother) {
   serve(quick());
   RawPage page(port_);
