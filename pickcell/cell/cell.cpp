@@ -64,6 +64,7 @@ Cell::Cell(CellParts parts, CellSettings settings)
       settings_(std::move(settings)),
       ledger_(std::move(parts.log), desk_, clock_, tray_sizes(settings_.planner)),
       arm_(parts.robot, clock_, *seat_, settings_.robot_link),
+      camera_(source_),
       trays_(parts.trays) {
   show(Mode::idle, "connecting to the robot");
 }
@@ -141,6 +142,7 @@ void Cell::live() {
     }
     if (quit_) return;
     seat_->sleep_for(Arm::kPoll);
+    watch_camera();
     if (auto standing = stand_by(); !standing && mode_ == Mode::idle) enter(standing.error());
     desk_.take(Command::stop);
   }
@@ -163,6 +165,7 @@ void Cell::do_reset() {
   if (!settled) return enter(settled.error());
   person_must_look_ = false;
   arm_.alarms().clear_all(clock_.unix_us());
+  watch_camera();
   reason_.clear();
   remedy_.clear();
   desk_.take(Command::start);
@@ -192,6 +195,10 @@ void Cell::show(Mode mode, std::string step) {
   publish();
 }
 
+void Cell::watch_camera() {
+  if (camera_.look(arm_.alarms(), clock_.unix_us())) publish();
+}
+
 void Cell::publish() {
   Snapshot s;
   s.cell_name = settings_.name;
@@ -200,11 +207,14 @@ void Cell::publish() {
   s.reason = reason_;
   s.remedy = remedy_;
   s.robot = arm_.view();
+  s.camera = camera_.view();
   s.counters = ledger_.counters();
   s.alarms = arm_.alarms().rows();
   s.recipe = settings_.recipe;
   s.simulated = settings_.simulated;
-  if (const auto hindrance = arm_.hindrance()) {
+  auto hindrance = arm_.hindrance();
+  if (!hindrance) hindrance = camera_.hindrance();
+  if (hindrance) {
     s.start_hindrance = hindrance->why;
     s.start_remedy = hindrance->remedy;
   }

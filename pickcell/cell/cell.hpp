@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pickcell/cell/arm.hpp"
+#include "pickcell/cell/camera_watch.hpp"
 #include "pickcell/cell/cell_config.hpp"
 #include "pickcell/cell/cell_port.hpp"
 #include "pickcell/cell/desk.hpp"
@@ -49,6 +50,7 @@ struct CellSettings {
   double pick_timeout_s = 30;
   double clear_timeout_s = 30;  ///< from the end of a pick until the arm is out of the picture
   double grab_timeout_s = 2;
+  double camera_wait_s = 60;          ///< for a camera that got lost while the cell runs; then it is a fault
   std::int64_t stop_after_picks = 0;  ///< stand when so many picks are dealt with; 0: never
   bool start_at_once = false;  ///< as if Start was pressed when the robot is connected: for runs without a person
 };
@@ -95,6 +97,8 @@ class Cell final : public CellPort {
   [[nodiscard]] Or<void> settle();
   [[nodiscard]] Or<void> wait_until_clear();
   [[nodiscard]] Or<void> look();
+  [[nodiscard]] Or<frames::Frame> take_picture();
+  [[nodiscard]] Or<void> wait_for_camera(core::TimePoint deadline);
   [[nodiscard]] Or<void> pick_next();
   [[nodiscard]] Or<robot::Outcome> wait_for_outcome();
   [[nodiscard]] Or<void> judge(const robot::Outcome& outcome);
@@ -110,6 +114,8 @@ class Cell final : public CellPort {
   void show(Mode mode, std::string step);
   void show_step(std::string step) { show(mode_, std::move(step)); }
   void publish();
+  /// Looks how the camera is; publishes when that is news.
+  void watch_camera();
 
   core::Clock& clock_;
   std::unique_ptr<core::Seat> seat_;
@@ -119,6 +125,7 @@ class Cell final : public CellPort {
   Desk desk_;
   Ledger ledger_;
   Arm arm_;
+  CameraWatch camera_;
   TrayRecord* trays_;
 
   Mode mode_ = Mode::idle;

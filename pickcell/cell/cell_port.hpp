@@ -71,6 +71,16 @@ struct RobotView {
   std::array<double, 3> tool_mm{};
 };
 
+struct CameraView {
+  bool connected = true;
+  std::string id;
+  std::string why;                             ///< no picture can come, in words; "" while connected
+  std::string remedy;                          ///< what to do about it
+  std::map<std::string, std::int64_t> losses;  ///< frames that were not used, by cause; causes without any are absent
+  std::int64_t reconnects = 0;
+  bool operator==(const CameraView&) const = default;
+};
+
 struct Snapshot {
   std::uint64_t revision = 0;  ///< grows with every change
   std::string cell_name;
@@ -78,9 +88,10 @@ struct Snapshot {
   std::string step;    ///< what it is doing: "looking", "waiting for the arm", ...
   std::string reason;  ///< why it stopped or faulted, in words
   std::string remedy;
-  std::string start_hindrance;  ///< why Start would be refused because of the arm, "" when it would not
+  std::string start_hindrance;  ///< why Start would be refused because of arm or camera, "" when it would not
   std::string start_remedy;
   RobotView robot;
+  CameraView camera;
   Counters counters;
   std::vector<CellAlarm> alarms;
   std::string recipe;

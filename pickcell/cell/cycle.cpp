@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "pickcell/cell/cell.hpp"
 
@@ -71,6 +72,7 @@ Or<void> Cell::settle() {
 Or<robot::RobotState> Cell::rest(Arm::Need need) {
   seat_->sleep_for(Arm::kPoll);
   if (quit_) return tl::unexpected(stopped_by_operator());
+  camera_.look(arm_.alarms(), clock_.unix_us());  // the show below tells
   auto state = arm_.poll(need);
   show(desk_.asked(Command::stop) ? Mode::stopping : mode_, step_);
   return state;
@@ -90,16 +92,46 @@ Or<void> Cell::wait_until_clear() {
   }
 }
 
-Or<void> Cell::look() {
-  if (auto clear = wait_until_clear(); !clear) return clear;
-  show_step("taking a picture");
-  const auto grab_start = std::chrono::steady_clock::now();
-  auto frame = source_.grab(*seat_, duration_s(settings_.grab_timeout_s));
-  if (!frame) {
+/// At once when nothing is known against the camera.
+Or<void> Cell::wait_for_camera(core::TimePoint deadline) {
+  if (camera_.view().connected) return {};
+  show_step("waiting for the camera");
+  while (const auto lost = camera_.hindrance()) {
+    if (desk_.asked(Command::stop)) return tl::unexpected(stopped_by_operator());
+    if (seat_->now() > deadline) {
+      return fault("CAMERA",
+                   "the camera did not come back in " + std::to_string(std::lround(settings_.camera_wait_s)) +
+                       " s: " + lost->why,
+                   lost->remedy + ", then press Reset");
+    }
+    if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
+  }
+  watch_camera();
+  return {};
+}
+
+/// A camera that gets lost while the arm waits may come back by itself: the cell then goes on.
+Or<frames::Frame> Cell::take_picture() {
+  const core::TimePoint deadline = seat_->now() + duration_s(settings_.camera_wait_s);
+  for (;;) {
+    if (auto back = wait_for_camera(deadline); !back) return tl::unexpected(back.error());
+    show_step("taking a picture");
+    const std::int64_t reconnects = camera_.view().reconnects;
+    auto frame = source_.grab(*seat_, duration_s(settings_.grab_timeout_s));
+    if (frame) return std::move(*frame);
     if (frame.error().code == core::ErrorCode::negative)
       return stand("NO_PICTURES", "the source of pictures has come to its end: " + frame.error().why);
-    return tl::unexpected(halt_from(frame.error(), "taking a picture"));
+    watch_camera();
+    const bool was_lost = !camera_.view().connected || camera_.view().reconnects != reconnects;
+    if (!was_lost || seat_->now() > deadline) return tl::unexpected(halt_from(frame.error(), "taking a picture"));
   }
+}
+
+Or<void> Cell::look() {
+  if (auto clear = wait_until_clear(); !clear) return clear;
+  const auto grab_start = std::chrono::steady_clock::now();
+  auto frame = take_picture();
+  if (!frame) return tl::unexpected(frame.error());
   const double grab_ms = ms_since(grab_start);
   show_step("searching");
   auto sight = vision_.look(*frame, ledger_.next_detection_id());

@@ -117,7 +117,7 @@ core::Status RunLog::add_frame(const ShownFrame& shown, const std::vector<matche
   if (auto begun = database_.script("BEGIN"); !begun) return begun;
   auto added = database_.execute("INSERT INTO frame VALUES (?1,?2,?3,?4,?5,?6,?7,?8)",
                                  {static_cast<std::int64_t>(shown.frame.sequence), shown.frame.exposed_unix_us,
-                                  shown.frame.camera_id, std::int64_t{shown.frame.picture->width()},
+                                  shown.frame.camera_id.str(), std::int64_t{shown.frame.picture->width()},
                                   std::int64_t{shown.frame.picture->height()}, shown.grab_ms, shown.match_ms, file});
   for (std::size_t i = 0; added && i < shown.detections.size(); ++i) {
     const Detection& d = shown.detections[i];

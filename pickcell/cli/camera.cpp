@@ -97,7 +97,7 @@ core::Result<int> snap(const Options& options, Io& io) {
   const std::string file = options.command.out.empty() ? "snap.png" : options.command.out;
   if (auto saved = image::save_png(file, frame->picture->view()); !saved) return core::forward(saved);
   Json line = Json::object();
-  line.set("file", file).set("camera_id", frame->camera_id);
+  line.set("file", file).set("camera_id", frame->camera_id.str());
   line.set("width_px", frame->picture->width()).set("height_px", frame->picture->height());
   line.set("sequence", static_cast<std::int64_t>(frame->sequence)).set("exposed_unix_us", frame->exposed_unix_us);
   line.set("device_ns", frame->device_ns ? Json(*frame->device_ns) : Json());
@@ -107,8 +107,8 @@ core::Result<int> snap(const Options& options, Io& io) {
   if (options.command.json)
     io.out << line.dump() << "\n";
   else
-    io.out << file << ": " << frame->picture->width() << "x" << frame->picture->height() << " of " << frame->camera_id
-           << "\n";
+    io.out << file << ": " << frame->picture->width() << "x" << frame->picture->height() << " of "
+           << frame->camera_id.str() << "\n";
   return 0;
 }
 

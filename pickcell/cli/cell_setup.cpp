@@ -105,6 +105,13 @@ sim::WorldSettings world_settings(const SimulationConfig& config) {
   return settings;
 }
 
+sim::CameraSettings camera_settings(const SimulationConfig& config, const std::string& id, const sim::World& world) {
+  sim::CameraSettings settings = sim::resized(sim::default_camera(world.settings().T_base_plane, config.seed),
+                                              config.camera_width_px, config.camera_height_px);
+  if (!id.empty()) settings.camera_id = id;
+  return settings;
+}
+
 core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
   sim::ControllerSettings settings;
   settings.segment_pause_s = file.sim.segment_pause_s;
@@ -222,11 +229,8 @@ core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
   return out;
 }
 
-SimulatedPlant::SimulatedPlant(const SimulationConfig& config, const core::Clock& clock)
-    : world(world_settings(config)),
-      camera(sim::resized(sim::default_camera(world.settings().T_base_plane, config.seed), config.camera_width_px,
-                          config.camera_height_px),
-             world, clock) {}
+SimulatedPlant::SimulatedPlant(const SimulationConfig& config, const std::string& camera_id, const core::Clock& clock)
+    : world(world_settings(config)), camera(camera_settings(config, camera_id, world), world, clock) {}
 
 core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& options) {
   CellSetup setup;
@@ -236,7 +240,7 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
   else
     setup.clock = std::make_unique<core::RealClock>();
   if (file.cell.camera.source == "sim" || file.cell.robot.link == "sim")
-    setup.plant = std::make_unique<SimulatedPlant>(file.sim, *setup.clock);
+    setup.plant = std::make_unique<SimulatedPlant>(file.sim, file.cell.camera.id, *setup.clock);
   // The cell's seat first: simulated time stands still until the cell itself waits.
   auto seat = setup.clock->join("cell");
 

@@ -49,7 +49,8 @@ struct CellFile {
 
 /// The simulated plant: world, camera and controller. The controller answers on a loopback port of its own.
 struct SimulatedPlant {
-  SimulatedPlant(const SimulationConfig& config, const core::Clock& clock);
+  /// camera_id: how the camera calls itself; empty: as the simulation does.
+  SimulatedPlant(const SimulationConfig& config, const std::string& camera_id, const core::Clock& clock);
   sim::World world;
   sim::SimulatedCamera camera;
 #ifdef PICKCELL_WITH_ARAVIS

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace pickcell::frames {
 
@@ -15,7 +14,16 @@ constexpr double kMostDrift = 1000e-6;  ///< no crystal is that bad: then it is 
 
 }  // namespace
 
-void ClockMap::reset() { *this = {}; }
+ClockMap::ClockMap() {
+  minima_.reserve(kSeconds + 1);
+  slopes_.reserve(kSeconds * (kSeconds - 1) / 2);
+}
+
+void ClockMap::reset() {
+  minima_.clear();
+  bin_begin_ns_ = last_device_ns_ = reference_ns_ = 0;
+  slope_ = offset_ns_ = 0;
+}
 
 bool ClockMap::is_new_start(std::int64_t device_ns, std::int64_t delta_ns) const {
   if (device_ns < last_device_ns_) return true;
@@ -32,7 +40,7 @@ void ClockMap::observe(std::int64_t device_ns, core::TimePoint arrived) {
   if (minima_.empty() || device_ns - bin_begin_ns_ >= kSecond) {
     bin_begin_ns_ = device_ns;
     minima_.push_back({device_ns, delta_ns});
-    if (minima_.size() > kSeconds) minima_.pop_front();
+    if (minima_.size() > kSeconds) minima_.erase(minima_.begin());
   } else if (delta_ns < minima_.back().delta_ns) {
     minima_.back() = {device_ns, delta_ns};
   } else {
@@ -47,13 +55,13 @@ void ClockMap::fit() {
   slope_ = 0;
   if (minima_.size() >= kForDrift) {
     // Median of the slopes of all pairs (Theil and Sen): a second in which everything was slow does not turn the line.
-    std::vector<double> slopes;
+    slopes_.clear();
     for (std::size_t i = 0; i < minima_.size(); ++i)
       for (std::size_t j = i + 1; j < minima_.size(); ++j)
-        slopes.push_back(static_cast<double>(minima_[j].delta_ns - minima_[i].delta_ns) /
-                         static_cast<double>(minima_[j].device_ns - minima_[i].device_ns));
-    const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-    std::nth_element(slopes.begin(), middle, slopes.end());
+        slopes_.push_back(static_cast<double>(minima_[j].delta_ns - minima_[i].delta_ns) /
+                          static_cast<double>(minima_[j].device_ns - minima_[i].device_ns));
+    const auto middle = slopes_.begin() + static_cast<std::ptrdiff_t>(slopes_.size() / 2);
+    std::nth_element(slopes_.begin(), middle, slopes_.end());
     if (std::abs(*middle) < kMostDrift) slope_ = *middle;
   }
   double least = 0;

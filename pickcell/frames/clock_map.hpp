@@ -7,16 +7,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <optional>
+#include <vector>
 
 #include "pickcell/core/clock.hpp"
 
 namespace pickcell::frames {
 
-/// Not thread-safe.
+/// Not thread-safe. Allocates at construction only.
 class ClockMap {
  public:
+  ClockMap();
   /// One frame: the camera's stamp and when it began to arrive on the cell's clock. A stamp that goes back, or leaves
   /// the line by more than a second, means that the camera started anew: everything before is forgotten.
   void observe(std::int64_t device_ns, core::TimePoint arrived);
@@ -38,7 +38,8 @@ class ClockMap {
   [[nodiscard]] bool is_new_start(std::int64_t device_ns, std::int64_t delta_ns) const;
   void fit();
 
-  std::deque<Minimum> minima_;
+  std::vector<Minimum> minima_;  ///< oldest first
+  std::vector<double> slopes_;   ///< of fit()
   std::int64_t bin_begin_ns_ = 0;
   std::int64_t last_device_ns_ = 0;
   double slope_ = 0;

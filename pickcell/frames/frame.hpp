@@ -8,6 +8,7 @@
 
 #include "pickcell/core/clock.hpp"
 #include "pickcell/core/transform.hpp"
+#include "pickcell/frames/camera_id.hpp"
 #include "pickcell/image/image.hpp"
 
 namespace pickcell::frames {
@@ -32,7 +33,7 @@ struct Frame {
   std::shared_ptr<const ExposureSettings> settings;  ///< null for pictures that no camera took
   std::optional<std::int64_t> encoder;               ///< belt encoder count at mid-exposure, where there is one
   std::optional<core::Transform<core::Base, core::Flange>> T_base_flange;  ///< for a camera on the arm
-  std::string camera_id;
+  CameraId camera_id;
   bool simulated = false;
 };
 

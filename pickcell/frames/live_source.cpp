@@ -16,6 +16,7 @@ namespace {
 
 constexpr milliseconds kPatience{50};       ///< for the next frame, before anything else is looked at
 constexpr milliseconds kQuietBefore{150};   ///< without a frame, before the camera is asked whether it is there
+constexpr std::size_t kPicturesInWork = 8;  ///< kept for what readers hold
 constexpr milliseconds kTriggerSlack{100};  ///< between clocks, for a frame that answers a trigger
 
 core::Duration microseconds(double us) { return core::duration_s(us * 1e-6); }
@@ -23,7 +24,11 @@ core::Duration microseconds(double us) { return core::duration_s(us * 1e-6); }
 }  // namespace
 
 LiveSource::LiveSource(Connect connect, Options options, const core::Clock& clock, std::unique_ptr<CameraDevice> device)
-    : connect_(std::move(connect)), options_(std::move(options)), clock_(clock) {
+    : connect_(std::move(connect)),
+      options_(std::move(options)),
+      clock_(clock),
+      pool_(kPicturesInWork + (options_.policy == Policy::every ? options_.queue_max : 0)),
+      ready_(options_.queue_max) {
   adopt(std::move(device));
   thread_ = std::thread([this] { run(); });
 }
@@ -45,8 +50,7 @@ LiveSource::~LiveSource() {
 
 SourceInfo LiveSource::info() const {
   const std::lock_guard lock(mutex_);
-  return {options_.camera_id.empty() ? device_info_.id : options_.camera_id, device_info_.width_px,
-          device_info_.height_px, false};
+  return {camera_id_, device_info_.width_px, device_info_.height_px, false};
 }
 
 DeviceInfo LiveSource::device() const {
@@ -159,6 +163,7 @@ void LiveSource::reconnect() {
 void LiveSource::adopt(std::shared_ptr<CameraDevice> device) {
   const std::lock_guard lock(mutex_);
   device_info_ = device->info();
+  camera_id_ = options_.camera_id.empty() ? device_info_.id : options_.camera_id;
   settings_ = std::make_shared<const ExposureSettings>(device_info_.settings);
   device_ = std::move(device);
   if (++connection_ > 1) {
@@ -222,23 +227,23 @@ void LiveSource::take(const Arrival& arrival) {
 
 void LiveSource::hand_out(Frame frame) {
   if (options_.policy == Policy::newest) ready_.clear();
-  if (ready_.size() >= options_.queue_max) {
-    ready_.pop_front();
+  if (ready_.full()) {
+    (void)ready_.pop();
     ledger_.too_old();
   }
-  ready_.push_back(std::move(frame));
+  ready_.push(std::move(frame));
   changed_.notify_all();
 }
 
 std::optional<Frame> LiveSource::frame_of(const Arrival& arrival, core::TimePoint left_camera) {
   auto picture = pool_.take();
-  if (auto unpacked = unpack(arrival.picture, *picture); !unpacked) {
+  if (auto unpacked = unpacker_.unpack(arrival.picture, *picture); !unpacked) {
     core::log(core::LogLevel::warning, "camera", unpacked.error().line());
     return std::nullopt;
   }
   Frame frame;
   frame.picture = std::move(picture);
-  frame.camera_id = options_.camera_id.empty() ? device_info_.id : options_.camera_id;
+  frame.camera_id = camera_id_;
   frame.sequence = ledger_.sequence();
   frame.settings = settings_;
   const ExposureSettings& known = *settings_;
@@ -273,7 +278,7 @@ core::Status LiveSource::ask_for_exposure(std::unique_lock<std::mutex>& lock) {
 
 core::Error LiveSource::why_nothing(bool had_device) const {
   if (lost_) return *lost_;
-  const std::string id = options_.camera_id.empty() ? device_info_.id : options_.camera_id;
+  const std::string& id = camera_id_;
   if (!had_device) return {ErrorCode::device, id, "no connection", "check the camera and its cable", {}};
   if (options_.software_trigger)
     return {ErrorCode::device,
@@ -310,9 +315,7 @@ core::Result<Frame> LiveSource::grab(core::Seat& seat, core::Duration timeout) {
     }
   }
   wanted_since_.reset();
-  Frame frame = std::move(ready_.front());
-  ready_.pop_front();
-  return frame;
+  return ready_.pop();
 }
 
 }  // namespace pickcell::frames

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -15,6 +14,7 @@
 
 #include "pickcell/frames/camera_device.hpp"
 #include "pickcell/frames/clock_map.hpp"
+#include "pickcell/frames/frame_ring.hpp"
 #include "pickcell/frames/frame_source.hpp"
 #include "pickcell/frames/picture_pool.hpp"
 
@@ -80,9 +80,10 @@ class LiveSource final : public FrameSource {
   std::condition_variable changed_;
   std::shared_ptr<CameraDevice> device_;  ///< null while there is none
   DeviceInfo device_info_;
+  CameraId camera_id_;
   std::shared_ptr<const ExposureSettings> settings_;
   std::optional<core::Error> lost_;
-  std::deque<Frame> ready_;
+  FrameRing ready_;
   std::optional<core::TimePoint> wanted_since_;
   std::uint64_t spoilt_ = 0;      ///< exposures that did not become a frame
   std::uint64_t connection_ = 0;  ///< counts devices
@@ -93,6 +94,7 @@ class LiveSource final : public FrameSource {
 
   // Of the camera's thread alone.
   Time last_sign_{};
+  Unpacker unpacker_;
   std::vector<std::future<void>> graves_;
   std::thread thread_;
 };

@@ -117,15 +117,6 @@ void demosaic(const std::uint8_t* from, std::size_t stride, Mosaic mosaic, image
   }
 }
 
-core::Status unpack_jpeg(const RawPicture& raw, image::Image& out) {
-  auto decoded = image::decode_grey(raw.bytes, "JPEG frame");
-  if (!decoded) return failure(ErrorCode::device, "camera", decoded.error().why, "check the cable");
-  if (decoded->width() != raw.width_px || decoded->height() != raw.height_px)
-    return failure(ErrorCode::device, "camera", "a JPEG of another size than announced");
-  out.swap(*decoded);
-  return {};
-}
-
 }  // namespace
 
 std::size_t bytes_needed(const RawPicture& raw) {
@@ -144,7 +135,15 @@ std::size_t bytes_needed(const RawPicture& raw) {
   return row > raw.stride_bytes ? 0 : (h - 1) * raw.stride_bytes + row;
 }
 
-core::Status unpack(const RawPicture& raw, image::Image& out) {
+core::Status Unpacker::unpack_jpeg(const RawPicture& raw, image::Image& out) {
+  auto decoded = jpeg_.decode(raw.bytes, "JPEG frame", out, raw.width_px, raw.height_px);
+  if (!decoded) return failure(ErrorCode::device, "camera", "a JPEG frame: " + decoded.error().why, "check the cable");
+  return {};
+}
+
+core::Status unpack(const RawPicture& raw, image::Image& out) { return Unpacker().unpack(raw, out); }
+
+core::Status Unpacker::unpack(const RawPicture& raw, image::Image& out) {
   if (raw.format == kJpeg) return unpack_jpeg(raw, out);
   const PixelFormat* format = pixel_format(raw.format);
   if (format == nullptr)
@@ -164,9 +163,9 @@ core::Status unpack(const RawPicture& raw, image::Image& out) {
     demosaic(data(raw), raw.stride_bytes ? raw.stride_bytes : static_cast<std::size_t>(raw.width_px), format->mosaic,
              out);
   } else {
-    image::Image mosaic(raw.width_px, raw.height_px);
-    unpack_samples(raw, *format, mosaic);
-    demosaic(mosaic.row(0), static_cast<std::size_t>(mosaic.stride()), format->mosaic, out);
+    mosaic_.resize(raw.width_px, raw.height_px);
+    unpack_samples(raw, *format, mosaic_);
+    demosaic(mosaic_.row(0), static_cast<std::size_t>(mosaic_.stride()), format->mosaic, out);
   }
   return {};
 }

@@ -8,6 +8,7 @@
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/image/image.hpp"
+#include "pickcell/image/jpeg_decoder.hpp"
 
 namespace pickcell::frames {
 
@@ -24,8 +25,22 @@ struct RawPicture {
 /// not fit the stride, and kJpeg.
 [[nodiscard]] std::size_t bytes_needed(const RawPicture& raw);
 
-/// Into out, whose memory is kept when it suffices; no other allocation, except for JPEG and for Bayer formats wider
-/// than 8 bits. Errors: device (format not understood, fewer bytes than needed, damaged JPEG). Thread-safe.
+/// Keeps the memory that some formats need on the way: the second frame of a size allocates nothing any more. One
+/// thread at a time.
+class Unpacker {
+ public:
+  /// Into out, whose memory is kept when it suffices. Errors: device (format not understood, fewer bytes than needed,
+  /// JPEG damaged or of another size).
+  [[nodiscard]] core::Status unpack(const RawPicture& raw, image::Image& out);
+
+ private:
+  [[nodiscard]] core::Status unpack_jpeg(const RawPicture& raw, image::Image& out);
+
+  image::Image mosaic_;  ///< of Bayer formats wider than 8 bits, in 8 bits
+  image::JpegDecoder jpeg_;
+};
+
+/// The same for a single frame. Thread-safe.
 [[nodiscard]] core::Status unpack(const RawPicture& raw, image::Image& out);
 
 }  // namespace pickcell::frames

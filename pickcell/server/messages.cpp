@@ -22,6 +22,15 @@ Json robot_json(const cell::RobotView& r) {
   return out;
 }
 
+Json camera_json(const cell::CameraView& c) {
+  Json losses = Json::object();
+  for (const auto& [cause, count] : c.losses) losses.set(cause, count);
+  Json out;
+  out.set("connected", c.connected).set("id", c.id).set("why", c.why).set("remedy", c.remedy);
+  out.set("losses", std::move(losses)).set("reconnects", c.reconnects);
+  return out;
+}
+
 Json counters_json(const cell::Counters& c) {
   Json rejected = Json::object();
   for (const auto& [reason, count] : c.rejected) rejected.set(reason, count);
@@ -50,6 +59,7 @@ Json state_json(const cell::Snapshot& s) {
   Json out;
   out.set("cell", s.cell_name).set("mode", cell::name(s.mode)).set("step", s.step).set("reason", s.reason);
   out.set("remedy", s.remedy).set("simulated", s.simulated).set("robot", robot_json(s.robot));
+  out.set("camera", camera_json(s.camera));
   out.set("recipe", s.recipe).set("counters", counters_json(s.counters));
   return out;
 }

@@ -1,5 +1,7 @@
 /// The cell behind a GigE Vision camera does the same as behind the camera in its own process.
 
+#include <cstdio>
+#include <functional>
 #include <sstream>
 
 #include "fake_camera.hpp"
@@ -53,6 +55,96 @@ TEST_F(GigeCell, PlacesTheSamePartsAtTheSamePlacesAtTheSameTimes) {
   const auto in_process = placed(false), over_gige = placed(true);
   EXPECT_EQ(in_process.size(), 8u);
   EXPECT_EQ(in_process, over_gige);
+}
+
+/// The simulated camera on the network, switched on and off at will, and a cell that knows it as a device only.
+class GigeCellLoss : public GigeCell {
+ protected:
+  void SetUp() override {
+    GigeCell::SetUp();
+    if (IsSkipped()) return;
+    cli::DemoOptions demo;
+    demo.now_unix_us = clock_.unix_us();
+    demo.camera_width_px = 640;
+    demo.camera_height_px = 512;
+    auto path = cli::prepare_demo(folder_, demo);
+    ASSERT_TRUE(path);
+    auto file = cli::load_cell_file(*path);
+    ASSERT_TRUE(file);
+    file->cell.camera.source = "aravis:127.0.0.1";
+    file->cell.camera.id = camera_.info().camera_id;
+    file->cell.camera.settings = *frames::parse_camera_settings({"trigger=software"});
+    switch_on();
+    auto setup = cli::set_up_cell(*file, {});
+    ASSERT_TRUE(setup) << setup.error().line();
+    setup_ = std::move(*setup);
+    setup_.cell->open();
+    wait("connected to the robot", [](const cell::Snapshot& s) { return s.step == "ready"; });
+  }
+  void switch_on() {
+    auto served = sim::GigeCamera::switch_on({}, camera_, clock_);
+    ASSERT_TRUE(served) << served.error().line();
+    served_ = std::move(*served);
+  }
+  cell::Snapshot wait(const char* what, const std::function<bool(const cell::Snapshot&)>& condition) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seat = clock_.join("test");
+    cell::Snapshot now = setup_.cell->snapshot();
+    for (int i = 0; i < 6000 && !condition(now); ++i) {
+      seat->sleep_for(std::chrono::milliseconds(5));
+      now = setup_.cell->snapshot();
+    }
+    EXPECT_TRUE(condition(now)) << what << ": " << now.step << " / " << now.reason << " / " << now.camera.why;
+    std::printf("%s after %.0f ms\n", what,
+                std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    return now;
+  }
+  static const cell::CellAlarm* alarm(const cell::Snapshot& s) {
+    for (const cell::CellAlarm& a : s.alarms)
+      if (a.code == "CAMERA_LOST") return &a;
+    return nullptr;
+  }
+
+  core::RealClock clock_;
+  sim::World world_{sim::default_world(1)};
+  sim::SimulatedCamera camera_{sim::resized(sim::default_camera(world_.settings().T_base_plane, 1), 640, 512), world_,
+                               clock_};
+  std::unique_ptr<sim::GigeCamera> served_;
+  cli::CellSetup setup_;
+};
+
+TEST_F(GigeCellLoss, IsSeenShownAndHealedWhileTheCellStandsIdle) {
+  EXPECT_TRUE(setup_.cell->snapshot().camera.connected);
+  served_.reset();
+  const auto lost = wait("idle: loss shown", [](const cell::Snapshot& s) { return !s.camera.connected; });
+  EXPECT_FALSE(lost.camera.why.empty());
+  EXPECT_FALSE(lost.camera.remedy.empty());
+  ASSERT_TRUE(alarm(lost));
+  EXPECT_TRUE(alarm(lost)->active);
+  EXPECT_FALSE(alarm(lost)->remedies.empty());
+  const auto refused = setup_.cell->start();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().line().find(lost.camera.remedy), std::string::npos) << refused.error().line();
+  switch_on();
+  const auto back = wait("idle: healed", [](const cell::Snapshot& s) { return s.camera.connected; });
+  EXPECT_EQ(back.mode, cell::Mode::idle);
+  EXPECT_FALSE(alarm(back)->active);
+  EXPECT_GE(back.camera.reconnects, 1);
+}
+
+TEST_F(GigeCellLoss, IsWaitedOutWhileTheCellRuns) {
+  ASSERT_TRUE(setup_.cell->start());
+  const auto running = wait("first picture", [](const cell::Snapshot& s) { return s.counters.frames > 0; });
+  served_.reset();
+  const auto lost = wait("running: loss shown", [](const cell::Snapshot& s) { return !s.camera.connected; });
+  ASSERT_TRUE(alarm(lost));
+  EXPECT_EQ(lost.mode, cell::Mode::running);
+  switch_on();
+  const auto back = wait("running: next picture", [&](const cell::Snapshot& s) {
+    return s.camera.connected && s.counters.frames > running.counters.frames;
+  });
+  EXPECT_NE(back.mode, cell::Mode::fault) << back.reason;
+  EXPECT_FALSE(alarm(back)->active);
 }
 
 TEST_F(GigeCell, TheCommandSeesStreamsAndSnapsTheSimulatedCamera) {
