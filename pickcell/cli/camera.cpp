@@ -145,7 +145,8 @@ Runner add(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--timeout-s", o->command.timeout_s, "how long to wait for a picture (5)")
       ->check(CLI::Range(0.01, 3600.0));
-  app.add_option("--fps", o->command.fps, "of files: pictures per second (as fast as possible)");
+  app.add_option("--fps", o->command.fps, "of files: pictures per second; 0: as fast as possible (0)")
+      ->check(CLI::Range(0.0, 100'000.0));
   app.add_flag("--loop", o->command.loop, "of files: begin again after the last");
   app.add_flag("--features", o->features, "info: every feature of the camera");
   app.add_flag("--json", o->command.json, "one JSON object per line");

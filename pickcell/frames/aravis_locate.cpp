@@ -83,8 +83,9 @@ std::vector<ListedCamera> usb3_cameras() {
   return out;
 }
 
+/// others: cameras that are there but not meant.
 core::Result<Located> choose(const std::string& name, const std::vector<gvcp::Identity>& gige,
-                             const std::vector<ListedCamera>& usb) {
+                             const std::vector<ListedCamera>& usb, const std::string& others) {
   const std::string what = "aravis:" + name;
   if (gige.size() + usb.size() > 1) {
     std::string all;
@@ -97,6 +98,9 @@ core::Result<Located> choose(const std::string& name, const std::vector<gvcp::Id
     const std::string id = usb.front().source.substr(7);
     return Located{id, std::nullopt, id + " on USB"};
   }
+  if (!others.empty())
+    return failure(ErrorCode::device, what, "no camera of that name answers; there is " + others,
+                   "name one of these, or check power and cable of the other");
   return failure(ErrorCode::device, what, name.empty() ? "no camera found" : "no camera of that name answers",
                  "check power and cable; `pickcell camera list` shows what there is");
 }
@@ -114,14 +118,20 @@ core::Result<Located> locate_aravis(const std::string& name) {
     }
   }
   auto gige = discover_gige(kSearch);
-  std::erase_if(gige, [&](const auto& i) { return !is_called(i, name); });
+  std::string others;
+  const auto is_other = [&](bool other, const std::string& called) {
+    if (other) others += (others.empty() ? "" : ", ") + called;
+    return other;
+  };
+  std::erase_if(gige, [&](const auto& i) { return is_other(!is_called(i, name), full_name(i)); });
   std::vector<ListedCamera> usb;
   if (name.empty() || gige.empty()) {
     usb = usb3_cameras();
-    std::erase_if(usb,
-                  [&](const auto& u) { return !name.empty() && name != u.serial && "aravis:" + name != u.source; });
+    std::erase_if(usb, [&](const auto& u) {
+      return is_other(!name.empty() && name != u.serial && "aravis:" + name != u.source, u.source.substr(7));
+    });
   }
-  return choose(name, gige, usb);
+  return choose(name, gige, usb, others);
 }
 
 std::vector<ListedCamera> find_aravis_cameras() {

@@ -36,8 +36,7 @@ core::Status set_feature(ArvCamera* camera, const std::string& shown, const std:
   ArvDevice* device = arv_camera_get_device(camera);
   ArvGcNode* node = arv_device_get_feature(device, key.c_str());
   if (node == nullptr)
-    return failure(ErrorCode::usage, key, "is neither a setting nor a feature of " + shown,
-                   "`pickcell camera info SOURCE --features` lists them");
+    return failure(ErrorCode::usage, key, "is neither a setting nor a feature of " + shown, remedy_for_unknown(key));
   Problem problem;
   if (ARV_IS_GC_COMMAND(node))
     arv_device_execute_command(device, key.c_str(), problem.out());

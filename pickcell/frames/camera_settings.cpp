@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "pickcell/core/config.hpp"
+
 namespace pickcell::frames {
 
 using core::ErrorCode;
@@ -90,6 +92,13 @@ core::Status set(CameraSettings& s, std::string_view key, std::string_view value
   }
   s.features.emplace_back(key, value);
   return {};
+}
+
+std::string remedy_for_unknown(std::string_view key) {
+  const std::string near =
+      core::nearest(key, {"exposure_us", "gain", "fps", "readout_us", "binning", "packet_bytes", "packet_delay_us",
+                          "socket_kib", "resend", "packet_socket", "roi_px", "pixel_format", "trigger", "chunks"});
+  return near.empty() ? "`pickcell camera info SOURCE --features` lists them" : "did you mean '" + near + "'?";
 }
 
 core::Result<CameraSettings> parse_camera_settings(const std::vector<std::string>& words) {

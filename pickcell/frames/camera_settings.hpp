@@ -38,6 +38,9 @@ struct CameraSettings {
 /// for its key, an empty key).
 [[nodiscard]] core::Status set(CameraSettings& settings, std::string_view key, std::string_view value);
 
+/// "did you mean '...'?" for a key that is neither a setting nor a feature, or what else to do.
+[[nodiscard]] std::string remedy_for_unknown(std::string_view key);
+
 /// From `KEY=VALUE` words.
 [[nodiscard]] core::Result<CameraSettings> parse_camera_settings(const std::vector<std::string>& words);
 

@@ -85,7 +85,9 @@ core::Result<Frame> FileSource::grab(core::Seat& seat, core::Duration timeout) {
       return failure(ErrorCode::timeout, info_.camera_id, "the next picture is not due yet");
     }
     seat.sleep_until(due_);
-    due_ = std::max(due_, seat.now()) + core::duration_s(1 / options_.fps);
+    // Waking a little late must not add up; what a slow reader missed is not made up for.
+    const core::Duration period = core::duration_s(1 / options_.fps);
+    due_ = std::max(due_ + period, seat.now());
   }
   const fs::path& file = files_[next_++];
   ++sequence_;

@@ -43,7 +43,10 @@ core::Result<std::unique_ptr<VideoSource>> VideoSource::open(const std::string& 
   auto first = out->read_picture(steady_clock::now() + kFirstPicture);
   if (!first) {
     core::Error error = first.error();
-    if (error.code == ErrorCode::negative) error.why = "no picture in it";
+    if (error.code == ErrorCode::negative) {
+      error.why = "no picture in it";
+      error.remedy = "give Y4M (8 bit), JPEG or PGM/PPM pictures in a row";
+    }
     error.code = ErrorCode::unreadable;
     return tl::unexpected(std::move(error));
   }
@@ -95,7 +98,9 @@ core::Result<Frame> VideoSource::grab(core::Seat& seat, core::Duration timeout) 
       return failure(ErrorCode::timeout, info_.camera_id, "the next picture is not due yet");
     }
     seat.sleep_until(due_);
-    due_ = std::max(due_, seat.now()) + core::duration_s(1 / options_.fps);
+    // Waking a little late must not add up; what a slow reader missed is not made up for.
+    const core::Duration period = core::duration_s(1 / options_.fps);
+    due_ = std::max(due_ + period, seat.now());
   }
   core::Result<image::Image> picture =
       first_ ? core::Result<image::Image>(std::move(*first_)) : read_picture(steady_clock::now() + timeout);
@@ -103,7 +108,11 @@ core::Result<Frame> VideoSource::grab(core::Seat& seat, core::Duration timeout) 
   if (!picture) return core::forward(picture);
   ++sequence_;
   if (picture->width() != info_.width_px || picture->height() != info_.height_px)
-    return failure(ErrorCode::device, path_, "picture " + std::to_string(sequence_) + " has another size");
+    return failure(ErrorCode::device, path_,
+                   "picture " + std::to_string(sequence_) + " is " + std::to_string(picture->width()) + "x" +
+                       std::to_string(picture->height()) + ", the first one " + std::to_string(info_.width_px) + "x" +
+                       std::to_string(info_.height_px),
+                   "keep pictures of one camera in one stream");
   Frame frame;
   frame.picture = std::make_shared<const image::Image>(std::move(*picture));
   frame.sequence = sequence_;
