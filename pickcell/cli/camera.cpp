@@ -9,6 +9,7 @@
 #include "pickcell/core/log.hpp"
 #include "pickcell/frames/camera_list.hpp"
 #include "pickcell/frames/live_source.hpp"
+#include "pickcell/frames/open_source.hpp"
 #include "pickcell/image/codec.hpp"
 
 namespace pickcell::cli {
@@ -39,7 +40,12 @@ core::Result<int> list(const Options& options, Io& io) {
              << "\n";
     }
   }
-  if (found.empty()) io.err << "pickcell: camera list: no camera found; check power and cable (docs/cameras.md)\n";
+  const bool sees_gige = frames::check_source("aravis:").has_value();
+  if (found.empty())
+    io.err << "pickcell: camera list: no camera found"
+           << (sees_gige
+                   ? "; check power and cable (docs/cameras.md)\n"
+                   : " on V4L2, and this build has no GigE or USB3 Vision; build with -DPICKCELL_WITH_ARAVIS=ON\n");
   return found.empty() ? 1 : 0;
 }
 

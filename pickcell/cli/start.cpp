@@ -6,6 +6,7 @@
 
 #include "pickcell/cli/cell_run.hpp"
 #include "pickcell/cli/start_demo.hpp"
+#include "pickcell/frames/open_source.hpp"
 
 namespace pickcell::cli {
 
@@ -30,6 +31,9 @@ core::Status check(const Options& options) {
     return failure(ErrorCode::usage, "--robot " + options.robot, "no protocol that carries picks", "use tcp80 or hses");
   if (options.camera != "inprocess" && options.camera != "gige")
     return failure(ErrorCode::usage, "--camera " + options.camera, "is no way to a camera", "use inprocess or gige");
+  if (options.camera == "gige")  // before the demonstration is calibrated, which takes a while
+    if (auto can = frames::check_source("aravis:"); !can)
+      return failure(ErrorCode::usage, "--camera gige", can.error().why, can.error().remedy);
   if (options.json && options.picks == 0)
     return failure(ErrorCode::usage, "--json", "there is a report with --picks only", "give --picks N too");
   if (options.picks > 0 && !(options.listen.empty() && options.web_root.empty()))
