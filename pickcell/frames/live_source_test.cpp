@@ -208,6 +208,31 @@ TEST_F(LiveSourceTest, RepeatedLateAndTornFramesAreCountedAndNeverGiven) {
   EXPECT_EQ(c.missing, 0u) << "the overtaken one did arrive";
 }
 
+TEST_F(LiveSourceTest, WhatAFrameTellsOfItselfGoesBeforeTheSettings) {
+  auto source = open(every());
+  Arrival a = script_.frame();
+  a.exposure_us = 4000;
+  a.gain = 6.5;
+  a.encoder = -123456;
+  a.offset_x_px = 16;
+  script_.deliver(a);
+  script_.deliver(script_.frame());
+  const auto own = grab(*source), plain = grab(*source);
+  ASSERT_TRUE(own && plain);
+  EXPECT_EQ(own->settings->exposure_us, 4000);
+  EXPECT_EQ(own->settings->gain, 6.5);
+  EXPECT_EQ(own->settings->offset_x_px, 16);
+  EXPECT_EQ(own->settings->pixel_format, "Mono8");
+  EXPECT_EQ(own->encoder, -123456);
+  EXPECT_EQ(own->device_ns, a.device_ns);
+  EXPECT_EQ(plain->settings->exposure_us, 1000);
+  EXPECT_FALSE(plain->encoder);
+  // Mid-exposure: half of its own exposure before it left the camera, which is no later than it was here.
+  const auto half = std::chrono::microseconds(2000);
+  EXPECT_LE(own->exposed + half, clock_.now());
+  EXPECT_LT(own->exposed, plain->exposed) << "4 ms against 1 ms, taken one after the other";
+}
+
 TEST_F(LiveSourceTest, AFrameThatWasHeldUpIsTooOld) {
   auto source = open(every());
   script_.deliver(script_.frame());

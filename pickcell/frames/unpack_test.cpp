@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -159,6 +160,47 @@ TEST(UnpackColour, NonsenseIsRefusedBeforeAnythingIsRead) {
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, core::ErrorCode::device);
   }
+}
+
+image::Image texture(int w, int h, unsigned seed) {
+  std::mt19937 random(seed);
+  image::Image out(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      out.at(x, y) = static_cast<std::uint8_t>(x * 5 + y * 3 + static_cast<int>(random() % 30));
+  return out;
+}
+
+TEST(UnpackJpeg, NothingOfADamagedFrameIsInTheNext) {
+  std::mt19937 random(11);
+  Unpacker unpacker;
+  image::Image got;
+  for (int i = 0; i < 60; ++i) {
+    const int w = 1 + static_cast<int>(random() % 80), h = 1 + static_cast<int>(random() % 60);
+    const std::vector<std::byte> good = image::encode_jpeg(texture(w, h, static_cast<unsigned>(i)).view(), 40 + i);
+    std::vector<std::byte> bad = good;
+    if (i % 2 == 0)
+      bad.resize(random() % bad.size());
+    else
+      for (int n = 0; n < 4; ++n) bad[random() % bad.size()] ^= static_cast<std::byte>(1 + random() % 255);
+    // Its luck: damage in the pixels alone still decodes.
+    (void)unpacker.unpack({bad, kJpeg, w, h, 0}, got);
+    const auto done = unpacker.unpack({good, kJpeg, w, h, 0}, got);
+    ASSERT_TRUE(done) << done.error().line();
+    const auto fresh = image::decode_grey(good, "fresh");
+    ASSERT_TRUE(fresh);
+    for (int y = 0; y < h; ++y)
+      ASSERT_TRUE(std::equal(got.row(y), got.row(y) + w, fresh->row(y))) << i << ": " << w << "x" << h << " row " << y;
+  }
+}
+
+TEST(UnpackJpeg, AnotherSizeThanAnnouncedIsRefusedBeforeItIsDecoded) {
+  const std::vector<std::byte> bytes = image::encode_jpeg(texture(64, 48, 1).view(), 90);
+  image::Image out;
+  const auto refused = unpack({bytes, kJpeg, 48, 64, 0}, out);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().line().find("64x48 instead of 48x64"), std::string::npos) << refused.error().line();
+  EXPECT_TRUE(out.empty());
 }
 
 }  // namespace

@@ -20,13 +20,16 @@ constexpr const char* kNames[] = {"Mono8",           "Mono10",       "Mono12",  
 void pixels(std::span<const std::byte> data) {
   if (data.size() < 4) return;
   RawPicture raw;
-  raw.format = pixel_format(kNames[static_cast<std::size_t>(data[0]) % std::size(kNames)])->code;
+  const std::size_t kind = static_cast<std::size_t>(data[0]) % (std::size(kNames) + 1);
+  raw.format = kind == std::size(kNames) ? kJpeg : pixel_format(kNames[kind])->code;
   raw.width_px = static_cast<int>(data[1]);
   raw.height_px = static_cast<int>(data[2]) % 32;
   raw.stride_bytes = static_cast<std::size_t>(data[3]);
   raw.bytes = data.subspan(4);
+  // As a running camera does: what one frame leaves behind must not hurt the next.
+  static Unpacker unpacker;
   pickcell::image::Image out;
-  const auto done = unpack(raw, out);
+  const auto done = unpacker.unpack(raw, out);
   if (done && (out.width() != raw.width_px || out.height() != raw.height_px)) __builtin_trap();
 }
 
