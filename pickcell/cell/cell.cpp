@@ -43,6 +43,7 @@ CellSettings settings_from(const CellConfig& config, const std::vector<matches::
   out.stop_after_refused = config.stop_after_refused;
   out.attempts_per_part = config.attempts_per_part;
   out.pick_timeout_s = config.pick_timeout_s;
+  out.camera_wait_s = config.camera_wait_s;
   out.planner.box = {metres(config.limits.box_min_mm), metres(config.limits.box_max_mm)};
   out.planner.grasp_tolerance_m = core::m_from_mm(config.limits.grasp_mm);
   out.planner.grasp_tolerance_rad = core::rad_from_deg(config.limits.grasp_deg);

@@ -139,6 +139,7 @@ CellConfig read_cell_config(Config& config, const std::filesystem::path& file) {
   out.stop_after_refused = whole(cell, "stop_after_refused", out.stop_after_refused, 1, 1000);
   out.attempts_per_part = whole(cell, "attempts_per_part", out.attempts_per_part, 1, 100);
   out.pick_timeout_s = positive(cell, "pick_timeout_s", out.pick_timeout_s);
+  out.camera_wait_s = positive(cell, "camera_wait_s", out.camera_wait_s);
   out.exchange_full_trays = cell.boolean_or("exchange_full_trays", out.exchange_full_trays);
   out.record_frames = cell.boolean_or("record_frames", false);
   out.camera = read_camera(config.table("camera"));

@@ -81,6 +81,7 @@ struct CellConfig {
   int stop_after_refused = 5;       ///< picks in a row that the arm refused or missed; then fault
   int attempts_per_part = 2;        ///< picks of a part that stays where it is, before it is left alone
   double pick_timeout_s = 30;       ///< from hand-over to its end, on the cell's clock
+  double camera_wait_s = 60;        ///< for a camera that got lost while the cell runs
   bool exchange_full_trays =
       false;                   ///< full trays are replaced while the cell runs on; otherwise it stands and says so
   bool record_frames = false;  ///< keep a PNG of every picture that was searched

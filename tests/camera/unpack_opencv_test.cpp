@@ -104,5 +104,44 @@ TEST(UnpackOpenCv, MosaicsAreInterpolatedTheSameToTheEdge) {
     }
 }
 
+/// A part of a larger picture: rows with foreign bytes between them, which must not be seen.
+image::Image unpacked_part(const cv::Mat& part, const char* format) {
+  image::Image out;
+  const std::size_t row = static_cast<std::size_t>(part.cols) * part.elemSize();
+  const std::size_t bytes = static_cast<std::size_t>(part.rows - 1) * part.step + row;
+  const auto done = frames::unpack({{reinterpret_cast<const std::byte*>(part.data), bytes},
+                                    frames::pixel_format(format)->code,
+                                    part.cols,
+                                    part.rows,
+                                    part.step},
+                                   out);
+  EXPECT_TRUE(done) << format;
+  return out;
+}
+
+TEST(UnpackOpenCv, RowsWithBytesBetweenThem) {
+  for (int i = 0; i < 25; ++i) {
+    const int w = size(3), h = size(3);
+    const cv::Rect inside(static_cast<int>(random_bits()() % 7), static_cast<int>(random_bits()() % 5), w, h);
+    cv::Mat grey;
+    const cv::Mat mono = noise(w + 11, h + 9, CV_8UC1, 256)(inside);
+    EXPECT_EQ(difference(unpacked_part(mono, "Mono8"), mono), 0);
+    const cv::Mat wide = noise(w + 11, h + 9, CV_16UC1, 4096)(inside);
+    wide.convertTo(grey, CV_8U, 255.0 / 4095);
+    EXPECT_EQ(difference(unpacked_part(wide, "Mono12"), grey), 0);
+    const cv::Mat rgb = noise(w + 11, h + 9, CV_8UC3, 256)(inside);
+    cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+    EXPECT_LE(difference(unpacked_part(rgb, "RGB8"), grey), 1);
+    // A wide mosaic is the mosaic of its 8-bit picture.
+    cv::Mat eight;
+    wide.convertTo(eight, CV_8U, 255.0 / 4095);
+    cv::Mat framed, colour;
+    cv::copyMakeBorder(eight, framed, 2, 2, 2, 2, cv::BORDER_REFLECT_101);
+    cv::cvtColor(framed, colour, cv::COLOR_BayerBG2RGB);
+    cv::cvtColor(colour, grey, cv::COLOR_RGB2GRAY);
+    EXPECT_LE(difference(unpacked_part(wide, "BayerRG12"), grey(cv::Rect(2, 2, w, h))), 1) << w << "x" << h;
+  }
+}
+
 }  // namespace
 }  // namespace pickcell
