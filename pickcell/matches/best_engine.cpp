@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory_resource>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,8 @@ namespace pickcell::matches {
 namespace {
 
 constexpr int kMostMatches = 200;
+constexpr int kPerLocation = 6;         // of several parts: candidates for one of them
+constexpr float kRelativeLimit = 0.35f;  // and how far below the best they are looked at
 constexpr double kForget = 0.995;       // of the finishing time, per call
 constexpr double kSpread = 1.15;        // the next call may take a little longer
 constexpr double kMostFinishing = 0.6;  // of the budget
@@ -87,25 +90,39 @@ BestModel& BestEngine::prepared(const Model& model, Range scale) {
   return *list.back();
 }
 
-std::vector<CoarseCandidate> BestEngine::candidates(const BestModel& model, const CoarseTemplates& templates, int count,
-                                                    const SearchOptions& options, WorkBudget& budget,
-                                                    FindResult& result) {
+std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& model,
+                                                           const std::vector<CoarseTemplates>& bands, int count,
+                                                           const SearchOptions& options, WorkBudget& budget,
+                                                           FindResult& result) {
   CoarseRequest request;
   request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
   if (options.roi) request.box = anchor_box(*options.roi, model);
   request.candidates = count;
-  if (options.max_matches > 1) request.per_location = 4;
+  if (options.max_matches > 1) {
+    request.per_location = kPerLocation;
+    request.relative_limit = kRelativeLimit;
+  }
   request.threads = static_cast<int>(scratch_.size());
-  const double start_ms = thread_cpu_ms();
-  const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
-  std::vector<CoarseCandidate> found = coarse_.run(top, templates, request, budget);
-  StageReport report;
-  report.stage = "coarse";
-  report.population = coarse_.peaks();
-  report.survivors = static_cast<std::int64_t>(found.size());
-  report.ms = thread_cpu_ms() - start_ms;
-  result.stages.push_back(report);
-  return found;
+  std::pmr::vector<Found> all(&arena_);
+  all.reserve(bands.size());
+  for (const CoarseTemplates& templates : bands) {
+    if (!all.empty() && budget.spent()) break;
+    const double start_ms = thread_cpu_ms();
+    const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
+    all.push_back({&templates, std::pmr::vector<CoarseCandidate>(&arena_)});
+    coarse_.run(top, templates, request, budget, all.back().list);
+    StageReport report;
+    report.stage = "coarse";
+    report.population = coarse_.peaks();
+    report.survivors = static_cast<std::int64_t>(all.back().list.size());
+    report.ms = thread_cpu_ms() - start_ms;
+    result.stages.push_back(report);
+  }
+  const auto best = [](const Found& f) { return f.list.empty() ? -1.f : f.list.front().score; };
+  std::sort(all.begin(), all.end(), [&](const Found& a, const Found& b) {
+    return best(a) != best(b) ? best(a) > best(b) : a.templates < b.templates;
+  });
+  return all;
 }
 
 Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
@@ -120,7 +137,7 @@ Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const 
   down.threads = static_cast<int>(scratch_.size());
   down.sure = acceptance();
   const int from = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
-  Followed out = follow(candidates, model, from, scene_, down, budget, scratch_);
+  Followed out = follow(candidates, model, from, scene_, down, budget, scratch_, &arena_);
   std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
   return out;
 }
@@ -135,8 +152,8 @@ bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOpt
 }
 
 void BestEngine::prepare_thorough(BestModel& model) const {
-  if (model.thorough.tiles.empty())
-    model.thorough = build_coarse_templates(model.pyramid, settings_.thorough.detail, model.scale);
+  if (model.thorough.empty())
+    model.thorough = build_coarse_bands(model.pyramid, settings_.thorough.detail, model.scale);
 }
 
 void BestEngine::prepare(std::span<const Model* const> models, const SearchOptions& options) {
@@ -149,23 +166,32 @@ void BestEngine::prepare(std::span<const Model* const> models, const SearchOptio
 
 Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
   const bool several = options.max_matches > 1;
-  Followed all;
+  Followed all(&arena_);
+  const auto enough = [&] { return budget.spent() || sure(all, model, options); };
+  const auto add = [&](const Found& f, std::size_t first, std::size_t count, const PassSettings& pass) {
+    const auto list = std::span(f.list).subspan(std::min(first, f.list.size()));
+    const auto part = list.first(std::min(count, list.size()));
+    merge(descend(part, model, *f.templates, pass, options, budget, result), model, all);
+  };
   if (settings_.effort != Effort::thorough) {
-    const std::size_t few = static_cast<std::size_t>(settings_.quick.candidates);
-    const std::vector<CoarseCandidate> found = candidates(
-        model, model.quick, std::max(settings_.quick.candidates, settings_.wide.candidates), options, budget, result);
-    const std::span<const CoarseCandidate> list(found);
-    const std::span<const CoarseCandidate> first = several ? list : list.first(std::min(few, list.size()));
-    const PassSettings& pass = several ? settings_.wide : settings_.quick;
-    all = descend(first, model, model.quick, pass, options, budget, result);
-    if (several || settings_.effort == Effort::quick || sure(all, model, options) || budget.spent()) return all;
-    merge(descend(list.subspan(first.size()), model, model.quick, settings_.wide, options, budget, result), model, all);
-    if (sure(all, model, options) || budget.spent()) return all;
+    const int most = std::max(settings_.quick.candidates, settings_.wide.candidates);
+    const auto few = static_cast<std::size_t>(several ? most : settings_.quick.candidates);
+    const std::pmr::vector<Found> bands = candidates(model, model.quick, most, options, budget, result);
+    for (const Found& f : bands) {
+      add(f, 0, few, several ? settings_.wide : settings_.quick);
+      if (enough()) return all;
+    }
+    if (several || settings_.effort == Effort::quick) return all;
+    for (const Found& f : bands) {
+      add(f, few, f.list.size(), settings_.wide);
+      if (enough()) return all;
+    }
   }
   prepare_thorough(model);
-  const std::vector<CoarseCandidate> found =
-      candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result);
-  merge(descend(found, model, model.thorough, settings_.thorough, options, budget, result), model, all);
+  for (const Found& f : candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result)) {
+    add(f, 0, f.list.size(), settings_.thorough);
+    if (enough()) return all;
+  }
   return all;
 }
 
@@ -181,6 +207,13 @@ void BestEngine::note_finishing(const SearchOptions& options, double used_ms) {
 
 core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span<const Model* const> models,
                                           const SearchOptions& options) {
+  FindResult result;
+  if (auto found = find_into(scene, models, options, result); !found) return core::forward(found);
+  return result;
+}
+
+core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const Model* const> models,
+                                   const SearchOptions& options, FindResult& result) {
   if (models.empty() || std::find(models.begin(), models.end(), nullptr) != models.end())
     throw std::invalid_argument("a search needs models");
   if (auto ok = check(options); !ok) return core::forward(ok);
@@ -190,8 +223,9 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
 
   const double start_ms = options.budget_ms ? cpu_ms_() : 0;
   WorkBudget budget(searching_ms(options), cpu_ms_);
-  FindResult result;
-  Selection selection(scene_, options, settings_, scratch_[0], budget);
+  result.stages.clear();
+  arena_.reset();
+  Selection selection(scene_, options, settings_, scratch_[0], budget, &arena_);
   for (std::size_t i = 0; i < models.size(); ++i) {
     BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
     if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
@@ -201,7 +235,7 @@ core::Result<FindResult> BestEngine::find(const image::Pyramid& scene, std::span
   selection.finish(result);
   result.complete = !budget.spent();
   if (!result.complete) note_finishing(options, cpu_ms_() - start_ms);
-  return result;
+  return {};
 }
 
 }  // namespace pickcell::matches

@@ -16,6 +16,7 @@
 #include <memory>
 #include <vector>
 
+#include "pickcell/matches/arena.hpp"
 #include "pickcell/matches/best_model.hpp"
 #include "pickcell/matches/best_scene.hpp"
 #include "pickcell/matches/coarse_kernel.hpp"
@@ -35,6 +36,8 @@ class BestEngine final : public Engine {
   /// model or an empty list.
   [[nodiscard]] core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                               const SearchOptions& options) override;
+  [[nodiscard]] core::Status find_into(const image::Pyramid& scene, std::span<const Model* const> models,
+                                       const SearchOptions& options, FindResult& result) override;
   void prepare(std::span<const Model* const> models, const SearchOptions& options) override;
   [[nodiscard]] std::string name() const override { return "best"; }
   [[nodiscard]] std::string isa() const override { return kernel_target(); }
@@ -42,9 +45,15 @@ class BestEngine final : public Engine {
  private:
   void prepare_thorough(BestModel& model) const;
   [[nodiscard]] BestModel& prepared(const Model& model, Range scale);
-  [[nodiscard]] std::vector<CoarseCandidate> candidates(const BestModel& model, const CoarseTemplates& templates,
-                                                        int count, const SearchOptions& options, WorkBudget& budget,
-                                                        FindResult& result);
+  /// What the coarse search found in one band of the scale range.
+  struct Found {
+    const CoarseTemplates* templates;
+    std::pmr::vector<CoarseCandidate> list;
+  };
+  /// Bands of the best candidates first.
+  [[nodiscard]] std::pmr::vector<Found> candidates(const BestModel& model, const std::vector<CoarseTemplates>& bands,
+                                                   int count, const SearchOptions& options, WorkBudget& budget,
+                                                   FindResult& result);
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
                                  const SearchOptions& options, WorkBudget& budget, FindResult& result);
@@ -60,6 +69,7 @@ class BestEngine final : public Engine {
   BestScene scene_;
   CoarseSearch coarse_;
   std::vector<RefineScratch> scratch_;
+  Arena arena_;  ///< of one search
   /// What a search still costs after it has been told to stop (the best candidate is followed to its end): taken off
   /// the budget in advance. The worst of the calls so far, slowly forgotten.
   double finishing_ms_ = kFirstFinishing_ms;

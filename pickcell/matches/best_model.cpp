@@ -50,8 +50,8 @@ BestModel prepare_model(const Model& model, Range scale, const BestSettings& set
   m.model = &model;
   m.scale = scale;
   m.pyramid = build_template_pyramid(model);
-  m.quick = build_coarse_templates(m.pyramid, settings.quick.detail, scale);
-  const int coarsest = std::min(start_level(m.quick), static_cast<int>(m.pyramid.levels.size()) - 1);
+  m.quick = build_coarse_bands(m.pyramid, settings.quick.detail, scale);
+  const int coarsest = std::min(start_level(m.quick.back()), static_cast<int>(m.pyramid.levels.size()) - 1);
   for (int l = 0; l <= coarsest; ++l) m.levels.push_back(make_level(m.pyramid, l, coarsest));
   m.side_px = std::sqrt(m.pyramid.area_px);
   m.ref_dx = model.ref_x_px - m.pyramid.anchor_x_px;

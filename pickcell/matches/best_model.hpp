@@ -16,10 +16,10 @@ struct BestModel {
   const Model* model = nullptr;
   Range scale{1, 1};
   TemplatePyramid pyramid;
-  std::vector<LevelModel> levels;  ///< 0 .. the coarsest level that refinement starts from
-  CoarseTemplates quick;
-  CoarseTemplates thorough;  ///< built when first needed: `tiles` is empty before
-  double side_px = 0;        ///< sqrt of the mask's area
+  std::vector<LevelModel> levels;         ///< 0 .. the coarsest level that refinement starts from
+  std::vector<CoarseTemplates> quick;     ///< per band of the scale range
+  std::vector<CoarseTemplates> thorough;  ///< built when first needed: empty before
+  double side_px = 0;                     ///< sqrt of the mask's area
   /// Box of the mask relative to the anchor, pixels: its outer edges.
   double x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;
   double ref_dx = 0, ref_dy = 0;  ///< the model's reference point relative to the anchor

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "pickcell/matches/coarse_kernel.hpp"
 #include "pickcell/matches/orientation_field.hpp"
@@ -10,37 +9,36 @@
 namespace pickcell::matches {
 namespace {
 
-/// Which source pixels make a cell along one axis: whole ones between two partial ones.
-struct Cell {
-  int first;
-  int last;
-  float first_share;
-  float last_share;
-};
+using Share = CoarseScene::Share;
 
-std::vector<Cell> cells(int source, double ratio, int n) {
-  std::vector<Cell> out;
+void share_out(int source, double ratio, int n, std::vector<Share>& out) {
+  out.clear();
   for (int i = 0; i < n; ++i) {
     const double lo = i * ratio;
     const double hi = std::min((i + 1) * ratio, static_cast<double>(source));
-    Cell c{static_cast<int>(lo), std::min(static_cast<int>(hi), source - 1), 0, 0};
+    Share c{static_cast<int>(lo), std::min(static_cast<int>(hi), source - 1), 0, 0};
     c.first_share = static_cast<float>(std::min(c.first + 1.0, hi) - lo);
     c.last_share = c.last > c.first ? static_cast<float>(hi - c.last) : 0.f;
     out.push_back(c);
   }
-  return out;
 }
 
-/// Rows of c2, s2 and energy.
-struct Sums {
-  std::size_t stride;
-  std::vector<float> values;
-  explicit Sums(int n) : stride(static_cast<std::size_t>(n) + kTensorSlack), values(3 * stride) {}
-  [[nodiscard]] float* part(std::size_t q) { return values.data() + q * stride; }
+/// Rows of c2, s2 and energy in one buffer.
+class Sums {
+ public:
+  Sums(std::vector<float>& values, int n) : stride_(static_cast<std::size_t>(n) + kTensorSlack), values_(values) {
+    values_.resize(3 * stride_);
+  }
+  void clear() { std::fill(values_.begin(), values_.end(), 0.f); }
+  [[nodiscard]] float* part(std::size_t q) { return values_.data() + q * stride_; }
   [[nodiscard]] TensorRow row() { return {part(0), part(1), part(2)}; }
+
+ private:
+  std::size_t stride_;
+  std::vector<float>& values_;
 };
 
-float pooled(const float* source, const Cell& c) {
+float pooled(const float* source, const Share& c) {
   float v = source[c.first] * c.first_share + source[c.last] * c.last_share;
   for (int x = c.first + 1; x < c.last; ++x) v += source[x];
   return v;
@@ -49,10 +47,10 @@ float pooled(const float* source, const Cell& c) {
 constexpr std::uint32_t kZeroCell = 0x80808080;
 
 /// sums: over the cells' rows, per source pixel. out[-1] is the cell before the first.
-void store_row(Sums& sums, const std::vector<Cell>& columns, float per_area, std::uint32_t* out) {
+void store_row(Sums& sums, const std::vector<Share>& columns, float per_area, std::uint32_t* out) {
   const auto byte = [](float v) { return static_cast<std::uint32_t>(128 + std::lrintf(v)); };
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const Cell& c = columns[i];
+    const Share& c = columns[i];
     const float k = 127.f * per_area / (pooled(sums.part(2), c) * per_area + kEdgeGrey * kEdgeGrey);
     const std::uint32_t own = byte(k * pooled(sums.part(0), c)) | byte(k * pooled(sums.part(1), c)) << 8;
     std::uint32_t* const cell = out + i;
@@ -77,15 +75,15 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
   out.cells.resize(out.width + 2 * margin + kKernelBlock, out.height + 2 * margin + 1);
   out.cells.fill(kZeroCell);
 
-  const std::vector<Cell> columns = cells(source.width(), ratio, out.width);
-  const std::vector<Cell> rows = cells(source.height(), ratio, out.height);
-  Sums sums(source.width());
+  share_out(source.width(), ratio, out.width, out.columns);
+  share_out(source.height(), ratio, out.height, out.rows);
+  Sums sums(out.sums, source.width());
   for (int y = 0; y < out.height; ++y) {
-    const Cell& c = rows[static_cast<std::size_t>(y)];
-    std::fill(sums.values.begin(), sums.values.end(), 0.f);
+    const Share& c = out.rows[static_cast<std::size_t>(y)];
+    sums.clear();
     for (int v = c.first; v <= c.last; ++v)
       add_tensor_row(source, v, v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f, sums.row());
-    store_row(sums, columns, static_cast<float>(1 / (ratio * ratio)), out.cells.row(y + margin) + margin);
+    store_row(sums, out.columns, static_cast<float>(1 / (ratio * ratio)), out.cells.row(y + margin) + margin);
   }
 }
 

@@ -2,6 +2,7 @@
 /// The picture at the top level of the search: its orientation field, averaged over cells of any real size.
 
 #include <cstdint>
+#include <vector>
 
 #include "pickcell/image/pyramid.hpp"
 
@@ -16,6 +17,15 @@ struct CoarseScene {
   int height = 0;
   int margin = 0;
   image::Plane<std::uint32_t> cells;  ///< with the margin
+
+  /// Which source pixels make a cell along one axis: whole ones between two partial ones.
+  struct Share {
+    int first, last;
+    float first_share, last_share;
+  };
+  /// Work space of build_coarse_scene, kept for the next picture.
+  std::vector<Share> columns, rows;
+  std::vector<float> sums;
 
   /// A cell, which may lie up to margin cells outside.
   [[nodiscard]] const std::uint32_t* at(int x, int y) const { return cells.row(y + margin) + (x + margin); }

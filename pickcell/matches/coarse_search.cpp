@@ -3,35 +3,28 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+
+#include "pickcell/matches/limits.hpp"
 
 namespace pickcell::matches {
 namespace {
 
 constexpr float kNothing = -1.f;
 
-/// Whether the angle lies in the range, which may cross 180, widened by slack at both ends.
-bool in_range(double angle_deg, Range range, double slack_deg) {
-  const double width = range.hi - range.lo;
-  if (width + 2 * slack_deg >= 360) return true;
-  double above = std::fmod(angle_deg - range.lo + slack_deg, 360.0);
-  if (above < 0) above += 360;
-  return above <= width + 2 * slack_deg;
-}
-
 double angle_deg_of(const CoarseTemplates& t, int k) { return 360.0 * k / t.angles; }
 
 bool tile_wanted(const CoarseTemplates& t, const CoarseTile& tile, Range range) {
   const double slack = 180.0 / t.angles;
   for (int a = 0; a < 4; ++a)
-    if (in_range(angle_deg_of(t, tile.first_angle + a), range, slack)) return true;
+    if (angle_in_range(angle_deg_of(t, tile.first_angle + a), range, slack)) return true;
   return false;
 }
 
 /// The tile's taps as offsets in the scene's plane.
-std::vector<std::int32_t> offsets_of(const CoarseTile& tile, const CoarseScene& scene) {
-  std::vector<std::int32_t> out(tile.dx.size());
+void set_offsets(const CoarseTile& tile, const CoarseScene& scene, std::vector<std::int32_t>& out) {
+  out.resize(tile.dx.size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = tile.dy[k] * scene.stride() + tile.dx[k];
-  return out;
 }
 
 FourTemplates templates_of(const CoarseTile& tile, const std::vector<std::int32_t>& offsets) {
@@ -64,8 +57,8 @@ void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplate
       positions(scene.width, tile.left, tile.right, t.factor, box ? &box->x0 : nullptr, box ? &box->x1 : nullptr);
   const Span ys =
       positions(scene.height, tile.top, tile.bottom, t.factor, box ? &box->y0 : nullptr, box ? &box->y1 : nullptr);
-  const std::vector<std::int32_t> offsets = offsets_of(tile, scene);
-  const FourTemplates four = templates_of(tile, offsets);
+  set_offsets(tile, scene, map.offsets);
+  const FourTemplates four = templates_of(tile, map.offsets);
   if (ys.lo < ys.hi && xs.lo < xs.hi)
     best_of_four({scene.at(xs.lo, ys.lo), scene.stride(), xs.hi - xs.lo, ys.hi - ys.lo}, four,
                  map.score.row(ys.lo) + xs.lo, map.score.stride());
@@ -106,8 +99,8 @@ bool CoarseSearch::is_peak(const CoarseTemplates& t, const Peak& p) const {
   return true;
 }
 
-std::vector<CoarseSearch::Peak> CoarseSearch::local_maxima(const CoarseTemplates& t, float limit) const {
-  std::vector<Peak> out;
+void CoarseSearch::find_local_maxima(const CoarseTemplates& t, float limit) {
+  all_.clear();
   for (std::size_t i = 0; i < t.tiles.size(); ++i) {
     const Map& m = maps_[i];
     if (!m.searched) continue;
@@ -117,18 +110,17 @@ std::vector<CoarseSearch::Peak> CoarseSearch::local_maxima(const CoarseTemplates
       for (int x = 0; x < m.score.width() - kKernelBlock; ++x) {
         if (row[x] <= limit) continue;
         const Peak p{row[x], static_cast<int>(i), y, x};
-        if (is_peak(t, p)) out.push_back(p);
+        if (is_peak(t, p)) all_.push_back(p);
       }
     }
   }
-  std::sort(out.begin(), out.end(), [](const Peak& a, const Peak& b) {
+  std::sort(all_.begin(), all_.end(), [](const Peak& a, const Peak& b) {
     return a.score != b.score ? a.score > b.score : std::tie(a.tile, a.y, a.x) < std::tie(b.tile, b.y, b.x);
   });
-  return out;
 }
 
-std::vector<CoarseCandidate> CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t,
-                                               const CoarseRequest& request, WorkBudget& budget) {
+void CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t, const CoarseRequest& request,
+                       WorkBudget& budget, std::pmr::vector<CoarseCandidate>& out) {
   if (maps_.size() < t.tiles.size()) maps_.resize(t.tiles.size());
   parallel_for(static_cast<int>(t.tiles.size()), request.threads, [&](int i, int) {
     const CoarseTile& tile = t.tiles[static_cast<std::size_t>(i)];
@@ -140,25 +132,23 @@ std::vector<CoarseCandidate> CoarseSearch::run(const CoarseScene& scene, const C
   for (std::size_t i = 0; i < t.tiles.size(); ++i)
     if (maps_[i].searched)
       for (float b : maps_[i].row_best) best = std::max(best, b);
-  const std::vector<Peak> peaks = local_maxima(t, std::max(request.limit, request.relative_limit * best));
-  peaks_ = static_cast<int>(peaks.size());
+  find_local_maxima(t, std::max(request.limit, request.relative_limit * best));
 
   const double near_cells = 0.25 * t.side;
-  std::vector<CoarseCandidate> out;
-  std::vector<Peak> taken;
-  for (const Peak& p : peaks) {
+  out.clear();
+  taken_.clear();
+  for (const Peak& p : all_) {
     if (static_cast<int>(out.size()) >= request.candidates) break;
-    const auto here = std::count_if(taken.begin(), taken.end(),
+    const auto here = std::count_if(taken_.begin(), taken_.end(),
                                     [&](const Peak& q) { return std::hypot(p.x - q.x, p.y - q.y) <= near_cells; });
     if (here >= request.per_location) continue;
-    taken.push_back(p);
+    taken_.push_back(p);
     const CoarseTile& tile = t.tiles[static_cast<std::size_t>(p.tile)];
-    const std::vector<std::int32_t> offsets = offsets_of(tile, scene);
     float four[4];
-    each_of_four(scene.at(p.x, p.y), templates_of(tile, offsets), four);
+    each_of_four(scene.at(p.x, p.y), templates_of(tile, maps_[static_cast<std::size_t>(p.tile)].offsets), four);
     int which = -1;
     for (int a = 0; a < 4; ++a)
-      if (in_range(angle_deg_of(t, tile.first_angle + a), request.angle_deg, 180.0 / t.angles) &&
+      if (angle_in_range(angle_deg_of(t, tile.first_angle + a), request.angle_deg, 180.0 / t.angles) &&
           (which < 0 || four[a] > four[which]))
         which = a;
     out.push_back({{(p.x + 0.5) * t.factor - 0.5, (p.y + 0.5) * t.factor - 0.5,
@@ -166,7 +156,6 @@ std::vector<CoarseCandidate> CoarseSearch::run(const CoarseScene& scene, const C
                     t.scales[static_cast<std::size_t>(tile.scale_index)]},
                    four[which]});
   }
-  return out;
 }
 
 }  // namespace pickcell::matches

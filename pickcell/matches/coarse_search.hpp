@@ -1,6 +1,7 @@
 #pragma once
 /// The exhaustive search at the top level: every position, angle and scale; what remains are local maxima.
 
+#include <memory_resource>
 #include <optional>
 #include <vector>
 
@@ -34,17 +35,19 @@ struct CoarseRequest {
 /// Keeps its maps between calls. Not thread-safe; the answer does not depend on the number of threads.
 class CoarseSearch {
  public:
-  /// Best first. The scene must have been built with the templates' factor and a margin >= their reach.
-  [[nodiscard]] std::vector<CoarseCandidate> run(const CoarseScene& scene, const CoarseTemplates& templates,
-                                                 const CoarseRequest& request, WorkBudget& budget);
+  /// Replaces out by the best, best first. The scene must have been built with the templates' factor and a margin >=
+  /// their reach.
+  void run(const CoarseScene& scene, const CoarseTemplates& templates, const CoarseRequest& request, WorkBudget& budget,
+           std::pmr::vector<CoarseCandidate>& out);
   /// Local maxima found by the last run, before the best were picked.
-  [[nodiscard]] int peaks() const { return peaks_; }
+  [[nodiscard]] int peaks() const { return static_cast<int>(all_.size()); }
 
  private:
   struct Map {
     bool searched = false;
     image::Plane<float> score;
     std::vector<float> row_best;
+    std::vector<std::int32_t> offsets;
   };
   struct Peak {
     float score;
@@ -52,11 +55,11 @@ class CoarseSearch {
   };
   void fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
             const CoarseRequest& request);
-  [[nodiscard]] std::vector<Peak> local_maxima(const CoarseTemplates& t, float limit) const;
+  void find_local_maxima(const CoarseTemplates& t, float limit);
   [[nodiscard]] bool is_peak(const CoarseTemplates& t, const Peak& p) const;
 
   std::vector<Map> maps_;
-  int peaks_ = 0;
+  std::vector<Peak> all_, taken_;
 };
 
 }  // namespace pickcell::matches

@@ -14,6 +14,7 @@ constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
 constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
 constexpr int kWorkRounds = 3;
+constexpr double kBandRatio = 1.42;   // 0.5 to 2 makes four bands
 constexpr double kSquareRms = 0.816;  // rms radius of a square over its half side
 
 /// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
@@ -157,16 +158,20 @@ std::vector<double> scale_steps(Range scale, double rim, double step) {
   return out;
 }
 
+/// The scale of the range at which the template's own cells are counted.
+double nominal(Range scale) { return std::clamp(1.0, scale.lo, scale.hi); }
+
 CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& d, Range scale, double factor) {
   CoarseTemplates out;
   out.factor = factor;
-  const int level = std::min(field_level(out.factor), static_cast<int>(t.levels.size()) - 1);
-  const double rim = rim_cells(t, out.factor);
+  const double own_factor = factor / nominal(scale);
+  const int level = std::min(field_level(std::max(1.0, own_factor)), static_cast<int>(t.levels.size()) - 1);
+  const double rim = rim_cells(t, own_factor);
   out.angles = 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
-  out.scales = scale_steps(scale, rim, d.scale_step);
+  out.scales = scale_steps(scale, rim_cells(t, out.factor), d.scale_step);
   out.side = std::max(1, static_cast<int>(std::lround(std::sqrt(t.area_px) / out.factor)));
 
-  const int per_side = out.factor < 2 ? 4 : 2;
+  const int per_side = own_factor < 2 ? 4 : 2;
   const std::vector<Sample> samples = samples_of(t, level, per_side);
   double furthest = 0;
   for (const Sample& s : samples) furthest = std::max(furthest, std::hypot(s.x, static_cast<double>(s.y)));
@@ -207,12 +212,23 @@ double CoarseTemplates::work() const {
 }
 
 CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
-  double factor = choose_factor(t, d);
+  double factor = std::max(1.0, nominal(scale) * choose_factor(t, d));
   CoarseTemplates out = build_with_factor(t, d, scale, factor);
   for (int round = 0; round < kWorkRounds && out.work() > d.most_work; ++round) {
     factor *= std::pow(1.05 * out.work() / d.most_work, 0.2);
     out = build_with_factor(t, d, scale, factor);
   }
+  return out;
+}
+
+std::vector<CoarseTemplates> build_coarse_bands(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
+  const double ratio = scale.hi / scale.lo;
+  const int n = std::max(1, static_cast<int>(std::ceil(std::log(ratio) / std::log(kBandRatio) - 1e-9)));
+  std::vector<CoarseTemplates> out;
+  for (int i = 0; i < n; ++i)
+    out.push_back(build_coarse_templates(t, d,
+                                         {scale.lo * std::pow(ratio, static_cast<double>(i) / n),
+                                          i + 1 == n ? scale.hi : scale.lo * std::pow(ratio, (i + 1.0) / n)}));
   return out;
 }
 

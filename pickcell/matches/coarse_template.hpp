@@ -49,6 +49,12 @@ struct CoarseDetail {
 };
 
 [[nodiscard]] double choose_factor(const TemplatePyramid& t, const CoarseDetail& detail);
+/// The detail is that of the scale nearest to the taught one.
 [[nodiscard]] CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& detail, Range scale);
+
+/// A wide range cut into bands of the same ratio, each with a top level of its own: cells that suit the largest scale
+/// would leave too few on a part of the smallest.
+[[nodiscard]] std::vector<CoarseTemplates> build_coarse_bands(const TemplatePyramid& t, const CoarseDetail& detail,
+                                                              Range scale);
 
 }  // namespace pickcell::matches

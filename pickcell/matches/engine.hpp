@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pickcell/core/result.hpp"
@@ -60,6 +61,15 @@ class Engine {
   /// time.
   [[nodiscard]] virtual core::Result<FindResult> find(const image::Pyramid& scene, std::span<const Model* const> models,
                                                       const SearchOptions& options) = 0;
+  /// The same into a result whose memory is used again. Engine `best` then takes nothing from the heap once it has
+  /// searched a picture of this size for these models with one thread and without explain.
+  [[nodiscard]] virtual core::Status find_into(const image::Pyramid& scene, std::span<const Model* const> models,
+                                               const SearchOptions& options, FindResult& result) {
+    auto found = find(scene, models, options);
+    if (!found) return core::forward(found);
+    result = std::move(*found);
+    return {};
+  }
   /// Derives now what find would derive from the models on first use, so that the first picture takes no longer than
   /// the others. Optional. Errors are left to find.
   virtual void prepare(std::span<const Model* const> models, const SearchOptions& options) {

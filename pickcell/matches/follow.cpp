@@ -11,8 +11,8 @@ constexpr double kSamePlace = 0.12;  // of the part's side
 constexpr double kSameAngle_rad = 0.2;
 constexpr double kLocation = 0.25;  // of the part's side: candidates here compete for one place
 constexpr int kPerLocation = 4;
-constexpr double kTopSlack = 0.25;  // of the score: what the levels below may still add
-constexpr double kMidSlack = 0.15;
+constexpr double kTopSlack = 0.3;  // of the score: what the levels below may still add
+constexpr double kMidSlack = 0.2;
 constexpr double kContender = 0.1;  // of the score: what the last polish may change
 
 constexpr int kTopSteps = 4;  // Gauss-Newton steps at the level where a candidate is first refined ...
@@ -21,11 +21,18 @@ constexpr int kMidSteps = 2;  // ... and at those below, where it is nearly ther
 class Follower {
  public:
   Follower(const BestModel& model, BestScene& scene, const FollowRequest& request, WorkBudget& budget,
-           std::vector<RefineScratch>& scratch)
-      : model_(model), scene_(scene), request_(request), budget_(budget), scratch_(scratch) {}
+           std::vector<RefineScratch>& scratch, std::pmr::memory_resource* memory)
+      : model_(model),
+        scene_(scene),
+        request_(request),
+        budget_(budget),
+        scratch_(scratch),
+        memory_(memory),
+        out_(memory) {}
 
   Followed run(std::span<const CoarseCandidate> candidates, int from_level) {
-    std::vector<Hypothesis> list;
+    std::pmr::vector<Hypothesis> list(memory_);
+    list.reserve(candidates.size());
     for (const CoarseCandidate& c : candidates) {
       Hypothesis h;
       h.place = c.place;
@@ -45,11 +52,11 @@ class Follower {
 
  private:
   /// Replaces list[begin, end) by what refinement makes of it; when the budget is spent the rest is dropped.
-  void refine_all(std::vector<Hypothesis>& list, int level, bool first, std::size_t begin, std::size_t end) {
+  void refine_all(std::pmr::vector<Hypothesis>& list, int level, bool first, std::size_t begin, std::size_t end) {
     const double start_ms = thread_cpu_ms();
     const SceneLevel scene = scene_.level(level);
     const LevelModel& model = model_.levels[static_cast<std::size_t>(level)];
-    std::vector<char> done(end - begin, 0);
+    std::pmr::vector<char> done(end - begin, 0, memory_);
     parallel_for(static_cast<int>(end - begin), request_.threads, [&](int i, int worker) {
       // The first one is always done: a spent budget still gives the best answer there is.
       if (i > 0 && budget_.spent()) return;
@@ -70,7 +77,7 @@ class Follower {
     }
   }
 
-  void report(int level, const std::vector<Hypothesis>& list, std::size_t begin, std::size_t end, double ms) {
+  void report(int level, const std::pmr::vector<Hypothesis>& list, std::size_t begin, std::size_t end, double ms) {
     StageReport r;
     r.stage = "level " + std::to_string(level);
     r.population = static_cast<std::int64_t>(list.size());
@@ -82,7 +89,7 @@ class Follower {
 
   /// Level 0. A single search stops at a sure result: the candidates come best first, and one batch is one decision, so
   /// that the answer does not depend on the threads.
-  void last_level(std::vector<Hypothesis>& list, bool first) {
+  void last_level(std::pmr::vector<Hypothesis>& list, bool first) {
     std::size_t done = 0;
     const std::size_t all = list.size();
     if (!request_.several && all > 1) {
@@ -103,7 +110,7 @@ class Follower {
   }
 
   /// The contenders for a match; the order may change.
-  void polish_best(std::vector<Hypothesis>& list) {
+  void polish_best(std::pmr::vector<Hypothesis>& list) {
     if (list.empty()) return;
     const double least = (request_.several ? request_.floor : list.front().score) - kContender;
     const SceneLevel scene = scene_.level(0);
@@ -119,9 +126,10 @@ class Follower {
   void drop(const Hypothesis& h, RejectReason reason) { out_.dropped.push_back({h, reason, Stage::fine}); }
 
   /// Keeps the best, without doubles; every location keeps its own best when several parts are searched for.
-  void prune(std::vector<Hypothesis>& list, int keep, double window, double floor) {
+  void prune(std::pmr::vector<Hypothesis>& list, int keep, double window, double floor) {
     sort_best_first(list);
-    std::vector<Hypothesis> kept;
+    std::pmr::vector<Hypothesis> kept(memory_);
+    kept.reserve(list.size());
     for (const Hypothesis& h : list) {
       const Hypothesis* rival = !request_.several && !kept.empty() ? &kept.front() : nullptr;
       int here = 0;
@@ -154,18 +162,20 @@ class Follower {
   const FollowRequest& request_;
   WorkBudget& budget_;
   std::vector<RefineScratch>& scratch_;
+  std::pmr::memory_resource* memory_;
   Followed out_;
 };
 
 }  // namespace
 
 Followed follow(std::span<const CoarseCandidate> candidates, const BestModel& model, int from_level, BestScene& scene,
-                const FollowRequest& request, WorkBudget& budget, std::vector<RefineScratch>& scratch) {
-  if (candidates.empty()) return {};
-  return Follower(model, scene, request, budget, scratch).run(candidates, from_level);
+                const FollowRequest& request, WorkBudget& budget, std::vector<RefineScratch>& scratch,
+                std::pmr::memory_resource* memory) {
+  if (candidates.empty()) return Followed(memory);
+  return Follower(model, scene, request, budget, scratch, memory).run(candidates, from_level);
 }
 
-void sort_best_first(std::vector<Hypothesis>& list) {
+void sort_best_first(std::pmr::vector<Hypothesis>& list) {
   std::sort(list.begin(), list.end(), [](const Hypothesis& a, const Hypothesis& b) {
     if (a.score != b.score) return a.score > b.score;
     return std::tie(a.place.y_px, a.place.x_px, a.place.angle_rad, a.place.scale) <

@@ -1,6 +1,7 @@
 #pragma once
 /// Follows the candidates of the coarse search down the pyramid, dropping the hopeless level by level.
 
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -39,22 +40,23 @@ struct FollowRequest {
 };
 
 struct Followed {
-  std::vector<Hypothesis> found;  ///< at level 0, best first, no two the same
-  std::vector<Dropped> dropped;
-  std::vector<StageReport> stages;
+  std::pmr::vector<Hypothesis> found;  ///< at level 0, best first, no two the same
+  std::pmr::vector<Dropped> dropped;
+  std::pmr::vector<StageReport> stages;
+  explicit Followed(std::pmr::memory_resource* memory) : found(memory), dropped(memory), stages(memory) {}
 
   /// The best score of anything but the first find, at the level where it was last looked at. The first find itself
   /// under another name (same place and angle) does not count.
   [[nodiscard]] double rival_score(double side_px) const;
 };
 
-/// scratch: one per thread.
+/// scratch: one per thread. memory: for the result and what is needed on the way.
 [[nodiscard]] Followed follow(std::span<const CoarseCandidate> candidates, const BestModel& model, int from_level,
                               BestScene& scene, const FollowRequest& request, WorkBudget& budget,
-                              std::vector<RefineScratch>& scratch);
+                              std::vector<RefineScratch>& scratch, std::pmr::memory_resource* memory);
 
 /// Best first; ties by place, so that the order never depends on the way it was found.
-void sort_best_first(std::vector<Hypothesis>& list);
+void sort_best_first(std::pmr::vector<Hypothesis>& list);
 
 /// Whether two hypotheses mean the same place and angle.
 [[nodiscard]] bool same_place(const Similarity& a, const Similarity& b, double side_px);

@@ -43,4 +43,12 @@ core::Status check_scale_range(const std::string& what, Range scale) {
   return {};
 }
 
+bool angle_in_range(double angle_deg, Range range, double slack_deg) {
+  const double width = range.hi - range.lo + 2 * slack_deg;
+  if (width >= 360) return true;
+  double above = std::fmod(angle_deg - range.lo + slack_deg, 360.0);
+  if (above < 0) above += 360;
+  return above <= width;
+}
+
 }  // namespace pickcell::matches

@@ -16,4 +16,7 @@ constexpr double kMaxScale = 10;
 /// Finite, lo <= hi, within kMinScale..kMaxScale.
 [[nodiscard]] core::Status check_scale_range(const std::string& what, Range scale);
 
+/// Whether the angle lies in the range, which may cross 180, widened by slack at both ends. Degrees.
+[[nodiscard]] bool angle_in_range(double angle_deg, Range range, double slack_deg);
+
 }  // namespace pickcell::matches

@@ -1,8 +1,8 @@
 #include "pickcell/matches/rotated_rect.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
 
 namespace pickcell::matches {
 namespace {
@@ -23,18 +23,27 @@ double signed_area(const Point* p, std::size_t n) {
   return sum / 2;
 }
 
-/// The part of a convex polygon on the inner side of the line a-b (inner: where sign * cross >= 0).
-std::vector<Point> clipped(const std::vector<Point>& polygon, const Point& a, const Point& b, double sign) {
-  std::vector<Point> out;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point& p = polygon[i];
-    const Point& q = polygon[(i + 1) % polygon.size()];
+/// A convex polygon; a rectangle clipped by four lines has eight corners at most.
+struct Polygon {
+  std::array<Point, 8> corner;
+  std::size_t n = 0;
+  void add(const Point& p) {
+    if (n < corner.size()) corner[n++] = p;
+  }
+};
+
+/// The part on the inner side of the line a-b (inner: where sign * cross >= 0).
+Polygon clipped(const Polygon& polygon, const Point& a, const Point& b, double sign) {
+  Polygon out;
+  for (std::size_t i = 0; i < polygon.n; ++i) {
+    const Point& p = polygon.corner[i];
+    const Point& q = polygon.corner[(i + 1) % polygon.n];
     const double dp = sign * cross(a, b, p);
     const double dq = sign * cross(a, b, q);
-    if (dp >= 0) out.push_back(p);
+    if (dp >= 0) out.add(p);
     if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
       const double t = dp / (dp - dq);
-      out.push_back({p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
+      out.add({p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
     }
   }
   return out;
@@ -45,11 +54,12 @@ std::vector<Point> clipped(const std::vector<Point>& polygon, const Point& a, co
 double area(const RotatedRect& r) { return std::abs(signed_area(r.corner.data(), 4)); }
 
 double intersection_area(const RotatedRect& a, const RotatedRect& b) {
-  std::vector<Point> polygon(a.corner.begin(), a.corner.end());
+  Polygon polygon;
+  for (const Point& p : a.corner) polygon.add(p);
   const double sign = signed_area(b.corner.data(), 4) >= 0 ? 1.0 : -1.0;
-  for (std::size_t i = 0; i < 4 && !polygon.empty(); ++i)
+  for (std::size_t i = 0; i < 4 && polygon.n > 0; ++i)
     polygon = clipped(polygon, b.corner[i], b.corner[(i + 1) % 4], sign);
-  return polygon.size() < 3 ? 0.0 : std::abs(signed_area(polygon.data(), polygon.size()));
+  return polygon.n < 3 ? 0.0 : std::abs(signed_area(polygon.corner.data(), polygon.n));
 }
 
 double overlap(const RotatedRect& a, const RotatedRect& b) {

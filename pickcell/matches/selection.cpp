@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pickcell/matches/fit_quality.hpp"
+#include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/turns.hpp"
 
 namespace pickcell::matches {
@@ -23,13 +24,7 @@ constexpr double kMayRise = 0.15;         // of the score, by another angle
 constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
 constexpr std::size_t kContenders = 3;    // of a single search
 
-bool angle_allowed(double angle_deg, Range range) {
-  const double width = range.hi - range.lo + 2 * kAngleSlack_deg;
-  if (width >= 360) return true;
-  double above = std::fmod(angle_deg - range.lo + kAngleSlack_deg, 360.0);
-  if (above < 0) above += 360;
-  return above <= width;
-}
+bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
 
 /// From (dx, dy, turn, growth) of the template about the anchor to (x, y, angle_deg, scale) of the reference point.
 Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
@@ -56,25 +51,31 @@ bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
 
 /// The best-scored, or of the turns about one spot that score about as well the one whose inside agrees best: the
 /// outline of a round part says nothing about its angle, and fine teeth say only where within a tooth.
-std::vector<Hypothesis>::const_iterator best_turn(const std::vector<Hypothesis>& tries, const Similarity& spot,
-                                                  double side_px) {
-  auto best =
-      std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+const Hypothesis* best_turn(const std::pmr::vector<Hypothesis>& tries, const Similarity& spot, double side_px) {
+  const Hypothesis* best =
+      &*std::max_element(tries.begin(), tries.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   const double least = best->score - kAboutAsGood;
   if (!same_spot(best->place, spot, side_px)) return best;
-  for (auto t = tries.begin(); t != tries.end(); ++t)
-    if (t->score >= least && t->ncc > best->ncc && same_spot(t->place, best->place, side_px)) best = t;
+  for (const Hypothesis& t : tries)
+    if (t.score >= least && t.ncc > best->ncc && same_spot(t.place, best->place, side_px)) best = &t;
   return best;
 }
 
 }  // namespace
 
 Selection::Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings,
-                     RefineScratch& scratch, WorkBudget& budget)
-    : scene_(scene), options_(options), settings_(settings), scratch_(scratch), budget_(budget) {}
+                     RefineScratch& scratch, WorkBudget& budget, std::pmr::memory_resource* memory)
+    : scene_(scene),
+      options_(options),
+      settings_(settings),
+      scratch_(scratch),
+      budget_(budget),
+      memory_(memory),
+      entries_(memory),
+      turned_(memory) {}
 
 Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) const {
-  return {&model, model_index, h, model.outline(h.place), {}};
+  return {&model, model_index, h, model.outline(h.place), std::pmr::vector<double>(memory_)};
 }
 
 void Selection::add(const BestModel& model, int model_index, Followed followed) {
@@ -95,7 +96,7 @@ void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
 /// best and notes the ones as good.
 void Selection::resolve_angle(Entry& e) {
   const Range allowed = options_.angle_deg.value_or(e.model->model->angle_deg);
-  std::vector<Hypothesis> tries{e.h};
+  std::pmr::vector<Hypothesis> tries({e.h}, memory_);
   for (double offset : e.model->model->learnt.ambiguous_deg) {
     Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
@@ -103,9 +104,9 @@ void Selection::resolve_angle(Entry& e) {
       tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
   if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
-    for (const Hypothesis& h : settled_turns(e.h, *e.model, scene_, scratch_, budget_))
+    for (const Hypothesis& h : settled_turns(e.h, *e.model, allowed, scene_, scratch_, budget_, memory_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
-  const auto best = best_turn(tries, e.h.place, e.model->side_px);
+  const Hypothesis* best = best_turn(tries, e.h.place, e.model->side_px);
   e.h = *best;
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
@@ -152,23 +153,26 @@ const RejectReason* Selection::fault(const Entry& e) const {
   return nullptr;
 }
 
+void Selection::turn_down(Entry&& e, RejectReason reason) {
+  if (options_.explain) turned_.push_back({std::move(e), reason, Stage::final});
+}
+
 void Selection::finish(FindResult& result) {
   const double start_ms = thread_cpu_ms();
-  std::vector<Entry> passed;
-  std::vector<Entry*> contenders;
+  std::pmr::vector<Entry*> contenders(memory_);
   for (Entry& e : entries_)
     if (contender(e)) contenders.push_back(&e);
   for (Entry* e : contenders)
     if (!budget_.spent()) resolve_angle(*e);
+  std::pmr::vector<Entry> passed(memory_), kept(memory_);
   for (Entry& e : entries_) {
     if (const RejectReason* reason = fault(e))
-      turned_.push_back({e, *reason, Stage::final});
+      turn_down(std::move(e), *reason);
     else
       passed.push_back(std::move(e));
   }
   const auto order = [](const Entry& a, const Entry& b) { return better(a.h, a.model_index, b.h, b.model_index); };
   std::sort(passed.begin(), passed.end(), order);
-  std::vector<Entry> kept;
   for (Entry& e : passed) {
     const auto rival = std::find_if(
         kept.begin(), kept.end(), [&](const Entry& k) { return overlap(k.outline, e.outline) > options_.max_overlap; });
@@ -177,30 +181,34 @@ void Selection::finish(FindResult& result) {
       if (rival->model == e.model && same_spot(rival->h.place, e.h.place, e.model->side_px) &&
           std::abs(turn_deg) > kSameTurn_deg)
         note_ambiguity(*rival, turn_deg, e.h.score);
-      turned_.push_back({std::move(e), RejectReason::overlap, Stage::final});
+      turn_down(std::move(e), RejectReason::overlap);
     } else if (static_cast<int>(kept.size()) >= options_.max_matches) {
-      turned_.push_back({std::move(e), RejectReason::limit, Stage::final});
+      turn_down(std::move(e), RejectReason::limit);
     } else {
       kept.push_back(std::move(e));
     }
   }
-  for (const Entry& e : kept) result.matches.push_back(describe(e));
+  result.matches.resize(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) describe(kept[i], result.matches[i]);
   StageReport report;
   report.stage = "selection";
   report.population = static_cast<std::int64_t>(entries_.size());
   report.survivors = static_cast<std::int64_t>(kept.size());
   report.ms = thread_cpu_ms() - start_ms;
   result.stages.push_back(report);
-  if (!options_.explain) return;
+  result.rejected.clear();
   std::stable_sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
     return a.stage != b.stage ? a.stage > b.stage : order(a.entry, b.entry);
   });
-  if (turned_.size() > kMostRejected) turned_.resize(kMostRejected);
-  for (const Turned& t : turned_) result.rejected.push_back({describe(t.entry), t.reason, t.stage});
+  result.rejected.resize(std::min(turned_.size(), kMostRejected));
+  for (std::size_t i = 0; i < result.rejected.size(); ++i) {
+    describe(turned_[i].entry, result.rejected[i].match);
+    result.rejected[i].reason = turned_[i].reason;
+    result.rejected[i].stage = turned_[i].stage;
+  }
 }
 
-Match Selection::describe(const Entry& e) {
-  Match m;
+void Selection::describe(const Entry& e, Match& m) {
   m.model = e.model->model->name;
   m.model_index = e.model_index;
   m.pose = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
@@ -209,8 +217,7 @@ Match Selection::describe(const Entry& e) {
   const FitQuality q = judge_fit(scene.grey, e.model->levels[0].grey, at_level(e.h.place, 0), scratch_.grey);
   m.visible = q.visible;
   m.covariance = pose_covariance(q.covariance, e.h.place, e.model->ref_dx, e.model->ref_dy);
-  m.ambiguous_deg = e.ambiguous_deg;
-  return m;
+  m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());
 }
 
 }  // namespace pickcell::matches

@@ -1,6 +1,7 @@
 #pragma once
 /// The last decisions: what becomes a match, what is turned down and why.
 
+#include <memory_resource>
 #include <vector>
 
 #include "pickcell/matches/best_model.hpp"
@@ -14,10 +15,11 @@ namespace pickcell::matches {
 /// the model; each model has its own score limit.
 class Selection {
  public:
+  /// memory: for all that is kept until the result is written.
   Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch,
-            WorkBudget& budget);
+            WorkBudget& budget, std::pmr::memory_resource* memory);
   void add(const BestModel& model, int model_index, Followed followed);
-  /// Fills matches and, when options.explain is set, rejected.
+  /// Replaces matches and, when options.explain is set, rejected; adds its stage.
   void finish(FindResult& result);
 
  private:
@@ -26,7 +28,7 @@ class Selection {
     int model_index;
     Hypothesis h;
     RotatedRect outline;
-    std::vector<double> ambiguous_deg;
+    std::pmr::vector<double> ambiguous_deg;
   };
   struct Turned {
     Entry entry;
@@ -39,15 +41,17 @@ class Selection {
   void resolve_angle(Entry& e);
   void note_ambiguity(Entry& e, double offset_deg, double score);
   [[nodiscard]] const RejectReason* fault(const Entry& e) const;
-  [[nodiscard]] Match describe(const Entry& e);
+  void turn_down(Entry&& e, RejectReason reason);
+  void describe(const Entry& e, Match& out);
 
   BestScene& scene_;
   const SearchOptions& options_;
   const BestSettings& settings_;
   RefineScratch& scratch_;
   WorkBudget& budget_;
-  std::vector<Entry> entries_;
-  std::vector<Turned> turned_;
+  std::pmr::memory_resource* memory_;
+  std::pmr::vector<Entry> entries_;
+  std::pmr::vector<Turned> turned_;  ///< with options.explain
 };
 
 }  // namespace pickcell::matches

@@ -5,12 +5,14 @@
 #include <numbers>
 
 #include "pickcell/matches/follow.hpp"
+#include "pickcell/matches/limits.hpp"
 
 namespace pickcell::matches {
 namespace {
 
-constexpr double kSide_px = 40;  // of the part at the level of the sweep, at least
-constexpr double kFew_deg = 4;   // angles this near are the same
+constexpr double kSide_px = 40;    // of the part at the level of the sweep, at least
+constexpr double kBeyond_deg = 6;  // a maximum at the end of the allowed range is one
+constexpr double kFew_deg = 4;     // angles this near are the same
 constexpr std::size_t kFollowed = 4;
 constexpr int kSteps = 3;
 constexpr double kHopeless = 0.25;  // of the score below what the sweep saw at the found angle
@@ -29,16 +31,19 @@ Similarity turned(Similarity s, double by_rad) {
 }
 
 /// Local maxima of the score over the circle, best first, the found angle left out.
-std::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, const LevelModel& model,
-                              RefineScratch& scratch, WorkBudget& budget) {
+std::pmr::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, const LevelModel& model,
+                                   Range allowed_deg, RefineScratch& scratch, WorkBudget& budget,
+                                   std::pmr::memory_resource* memory) {
   const int n = std::clamp(static_cast<int>(2 * std::numbers::pi * static_cast<double>(model.grey.radius)), 24, 360);
-  std::vector<Hypothesis> circle;
+  std::pmr::vector<Hypothesis> circle(memory), peaks(memory);
+  circle.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) {
-    if (budget.spent()) return {};
-    circle.push_back(evaluate(level, model, turned(found.place, 2 * std::numbers::pi * i / n), scratch));
+    if (budget.spent()) return peaks;
+    const Similarity place = turned(found.place, 2 * std::numbers::pi * i / n);
+    const bool allowed = i == 0 || angle_in_range(place.angle_rad * kDegPerRad, allowed_deg, kBeyond_deg);
+    circle.push_back(allowed ? evaluate(level, model, place, scratch) : Hypothesis{});
   }
   const double least = circle[0].score - kHopeless;
-  std::vector<Hypothesis> peaks;
   for (int i = 0; i < n; ++i) {
     const Hypothesis& h = circle[static_cast<std::size_t>(i)];
     const double before = circle[static_cast<std::size_t>((i + n - 1) % n)].score;
@@ -53,13 +58,14 @@ std::vector<Hypothesis> sweep(const Hypothesis& found, const SceneLevel& level, 
 
 }  // namespace
 
-std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
-                                      RefineScratch& scratch, WorkBudget& budget) {
+std::pmr::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, Range allowed_deg,
+                                           BestScene& scene, RefineScratch& scratch, WorkBudget& budget,
+                                           std::pmr::memory_resource* memory) {
   const int l = sweep_level(model, scene);
   const SceneLevel level = scene.level(l);
   const LevelModel& at_level = model.levels[static_cast<std::size_t>(l)];
-  std::vector<Hypothesis> out{found};
-  for (const Hypothesis& peak : sweep(found, level, at_level, scratch, budget)) {
+  std::pmr::vector<Hypothesis> out({found}, memory);
+  for (const Hypothesis& peak : sweep(found, level, at_level, allowed_deg, scratch, budget, memory)) {
     if (budget.spent()) break;
     const Hypothesis near = climb(level, at_level, peak.place, model.scale, kSteps, scratch);
     const Hypothesis exact = settle(scene.level(0), model.levels[0], near.place, model.scale, scratch);

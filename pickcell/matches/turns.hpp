@@ -2,6 +2,7 @@
 /// Other angles at a place that was found. A round part with few features by which its angle can be told scores nearly
 /// as well at wrong angles as at the right one, and the right one may have been dropped on the way down.
 
+#include <memory_resource>
 #include <vector>
 
 #include "pickcell/matches/best_model.hpp"
@@ -12,9 +13,10 @@
 namespace pickcell::matches {
 
 /// The hypothesis itself and the best other angles about the same anchor, each settled at level 0, best first. Sweeps
-/// the whole circle at a middle level, one pixel at the rim per step, and follows the highest local maxima. Stops when
-/// the budget is spent.
-[[nodiscard]] std::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model, BestScene& scene,
-                                                    RefineScratch& scratch, WorkBudget& budget);
+/// the circle, as far as it is allowed (a little beyond), at a middle level, one pixel at the rim per step, and follows
+/// the highest local maxima. Stops when the budget is spent.
+[[nodiscard]] std::pmr::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model,
+                                                         Range allowed_deg, BestScene& scene, RefineScratch& scratch,
+                                                         WorkBudget& budget, std::pmr::memory_resource* memory);
 
 }  // namespace pickcell::matches

@@ -29,12 +29,8 @@ bool WorkBudget::spent() {
   return spent_;
 }
 
-void parallel_for(int count, int threads, const std::function<void(int, int)>& body) {
+void parallel_for_threads(int count, int threads, const std::function<void(int, int)>& body) {
   threads = std::min(threads, count);
-  if (threads <= 1) {
-    for (int i = 0; i < count; ++i) body(i, 0);
-    return;
-  }
   std::atomic<int> next{0};
   std::exception_ptr thrown;
   std::mutex guard;

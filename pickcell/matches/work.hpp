@@ -28,8 +28,15 @@ class WorkBudget {
 };
 
 /// Calls body(index, worker) for every index in [0, count), worker in [0, threads). The caller is worker 0. Which
-/// worker gets which index is not fixed, so a body writes only to its index' own place.
-void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& body);
+/// worker gets which index is not fixed, so a body writes only to its index' own place. With one thread nothing is
+/// allocated.
+void parallel_for_threads(int count, int threads, const std::function<void(int index, int worker)>& body);
+
+template <class Body>
+void parallel_for(int count, int threads, const Body& body) {
+  if (threads > 1 && count > 1) return parallel_for_threads(count, threads, std::cref(body));
+  for (int i = 0; i < count; ++i) body(i, 0);
+}
 
 /// 0 stands for all.
 [[nodiscard]] int thread_count(int asked);
