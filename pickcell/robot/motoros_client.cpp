@@ -288,7 +288,7 @@ core::Result<MotoFrame> MotoRosClient::io(const MotoFrame& request) {
   if (!io_.link) {
     if (auto opened = open(io_, kIoOffset); !opened) return core::forward(opened);
   }
-  auto answer = exchange(io_, request, request.type + 1, settings_.reply_timeout);
+  auto answer = exchange(io_, request, moto::io_reply(request.type), settings_.reply_timeout);
   if (!answer || answer->type != moto::kIoReply) return answer;
   auto refusal = parse_moto_io_refusal(*answer);
   if (!refusal) return core::forward(refusal);
@@ -300,7 +300,7 @@ core::Result<MotoValue> MotoRosClient::io_read(std::int32_t type, std::uint32_t 
   auto answer = io(moto_frame(type, MotoAddress{address}));
   if (!answer && session_broke(answer.error())) answer = io(moto_frame(type, MotoAddress{address}));  // a read
   if (!answer) return core::forward(answer);
-  auto value = parse_moto_value(*answer, type + 1);
+  auto value = parse_moto_value(*answer, moto::io_reply(type));
   if (!value || value->result == moto::io_ok) return value;
   const MotoFault fault = moto_io_fault(value->result);
   return tl::unexpected(
@@ -310,7 +310,7 @@ core::Result<MotoValue> MotoRosClient::io_read(std::int32_t type, std::uint32_t 
 core::Status MotoRosClient::io_write(std::int32_t type, std::uint32_t address, std::uint32_t value) {
   auto answer = io(moto_frame(type, MotoWrite{address, value}));
   if (!answer) return core::forward(answer);
-  auto written = parse_moto_written(*answer, type + 1);
+  auto written = parse_moto_written(*answer, moto::io_reply(type));
   if (!written) return core::forward(written);
   if (written->result == moto::io_ok) return {};
   const MotoFault fault = moto_io_fault(written->result);

@@ -31,11 +31,16 @@ constexpr std::int32_t kMotionReply = 2002;
 constexpr std::int32_t kReadBit = 2003, kReadBitReply = 2004, kWriteBit = 2005, kWriteBitReply = 2006;
 constexpr std::int32_t kReadGroup = 2007, kReadGroupReply = 2008, kWriteGroup = 2009, kWriteGroupReply = 2010;
 constexpr std::int32_t kIoReply = 2011;
-constexpr std::int32_t kReadRegister = 2012, kReadRegisterReply = 2013;
-constexpr std::int32_t kWriteRegister = 2014, kWriteRegisterReply = 2015;
+constexpr std::int32_t kReadRegister = 2012, kWriteRegister = 2013;  ///< answered under their own number
 constexpr std::int32_t kTrajectoryPointEx = 2016;
 constexpr std::int32_t kFeedbackEx = 2017;
 constexpr std::int32_t kSelectTool = 2018;
+constexpr std::int32_t kDhParameters = 2020;
+
+/// The type of the reply to an I/O request.
+constexpr std::int32_t io_reply(std::int32_t request) {
+  return request == kReadRegister || request == kWriteRegister ? request : request + 1;
+}
 
 /// Comm types and reply types.
 constexpr std::int32_t kTopic = 1, kRequest = 2, kReply = 3;

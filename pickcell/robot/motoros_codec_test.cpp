@@ -115,7 +115,9 @@ TEST(MotoRosGolden, InputAndOutput) {  // contact 27010 = 0x6982, group 2701 = 0
   EXPECT_EQ(moto_bytes(moto_frame(moto::kWriteGroupReply, MotoWritten{1002}), ByteOrder::big),
             bytes("00000010 000007da 00000003 00000002 000003ea"));
   EXPECT_EQ(moto_bytes(moto_frame(moto::kWriteRegister, MotoWrite{5, 7}), ByteOrder::big),
-            bytes("00000014 000007de 00000002 00000000 00000005 00000007"));
+            bytes("00000014 000007dd 00000002 00000000 00000005 00000007"));  // 2013
+  EXPECT_EQ(moto_bytes(moto_frame(moto::kReadRegister, MotoAddress{5}), ByteOrder::big),
+            bytes("00000010 000007dc 00000002 00000000 00000005"));  // 2012
   EXPECT_EQ(moto_bytes(moto_frame(MotoIoRefusal{3, 3003}), ByteOrder::big),
             bytes("00000014 000007db 00000003 00000002 00000003 00000bbb"));
 }
@@ -131,8 +133,8 @@ TEST(MotoRosGolden, SizesOfTheReference) {
   EXPECT_EQ(size(moto_frame(MotoTrajectoryPointEx{})), 552u);
   EXPECT_EQ(size(moto_frame(MotoFeedbackEx{})), 548u);
   EXPECT_EQ(size(moto_frame(MotoSelectTool{})), 28u);
-  EXPECT_EQ(size(moto_frame(moto::kReadRegisterReply, MotoValue{})), 24u);
-  EXPECT_EQ(size(moto_frame(moto::kWriteRegisterReply, MotoWritten{})), 20u);
+  EXPECT_EQ(size(moto_frame(moto::io_reply(moto::kReadRegister), MotoValue{})), 24u);
+  EXPECT_EQ(size(moto_frame(moto::io_reply(moto::kWriteRegister), MotoWritten{})), 20u);
 }
 
 TEST(MotoRosFrames, TheByteOrderShowsInTheFirstLength) {

@@ -29,6 +29,8 @@ std::unique_ptr<MotoRosDoor> motoros_door(const ControllerSettings& settings, Mo
   return std::make_unique<MotoRosDoor>(door, motion, std::move(with_state), std::move(commanded), faults);
 }
 
+constexpr std::uint16_t kBusy = 0xD8F1, kBusyFiles = 0xE444;
+
 AnswerFault answer_fault(Fault fault) {
   switch (fault) {
     case Fault::twice:
@@ -173,9 +175,13 @@ HsesServer::Executed Controller::execute(const robot::HsesRequest& request) {
   {
     const std::lock_guard lock(mutex_);
     state_.inputs = inputs;
-    done.answer = files ? files_.handle(state_, request) : execute_hses(state_, request);
+    const std::vector<FaultEvent> events_of_it = plan_.after(done.name);
+    if (busy(events_of_it))
+      done.answer = hses_refusal(request, files ? kBusyFiles : kBusy);
+    else
+      done.answer = files ? files_.handle(state_, request) : execute_hses(state_, request);
     done.try_again_soon = files && done.answer && HsesFiles::in_use(*done.answer);
-    for (const FaultEvent& event : plan_.after(done.name)) apply(state_, event, done.name);
+    for (const FaultEvent& event : events_of_it) apply(state_, event, done.name);
     events = take_events(state_);
   }
   deliver(events);
@@ -188,6 +194,13 @@ void Controller::with_scanned_state(const std::function<void(ControllerState&)>&
     state.inputs = inputs;
     action(state);
   });
+}
+
+bool Controller::busy(const std::vector<FaultEvent>& events) {
+  for (const FaultEvent& event : events) busy_left_ += event.fault == Fault::busy ? event.count : 0;
+  if (busy_left_ == 0) return false;
+  --busy_left_;
+  return true;
 }
 
 void Controller::apply(ControllerState& state, const FaultEvent& event, std::string_view command) {
@@ -203,6 +216,10 @@ void Controller::apply(ControllerState& state, const FaultEvent& event, std::str
       return;
     case Fault::servo_off:
       state.servo = false;
+      return;
+    case Fault::busy:
+      // With a command it was counted when that command came; TCP 80 has no such answer.
+      if (command.empty()) busy_left_ += event.count;
       return;
     default:
       answer_faults_.inject({answer_fault(event.fault), event.count, std::string(command), event.delay_s});
@@ -237,6 +254,7 @@ ControllerState Controller::copy_of_state() const {
 void Controller::follow(std::vector<FaultEvent> scenario) {
   const std::lock_guard lock(mutex_);
   plan_ = FaultPlan(std::move(scenario));
+  busy_left_ = 0;
   plan_start_ = clock_.now();
 }
 

@@ -70,6 +70,8 @@ class Controller {
   /// For a door that looks at the state itself: an action under the lock, inputs scanned, the plant told.
   void with_scanned_state(const std::function<void(ControllerState&)>& action);
   void apply(ControllerState& state, const FaultEvent& event, std::string_view command);
+  /// Notes the busy answers that a scenario orders, and uses one up. Under the lock.
+  [[nodiscard]] bool busy(const std::vector<FaultEvent>& events);
   /// What the state has noted for the plant, delivered without the lock.
   struct ForPlant {
     std::vector<OutputEvent> outputs;
@@ -88,6 +90,7 @@ class Controller {
   ControllerState state_;  ///< guarded by mutex_
   FaultPlan plan_{{}};     ///< guarded by mutex_
   core::TimePoint plan_start_{};
+  int busy_left_ = 0;  ///< requests over HSES that are refused; guarded by mutex_
   std::unique_ptr<core::Seat> seat_;
   std::atomic<bool> stopping_ = false;
   HsesFiles files_;  ///< guarded by mutex_

@@ -4,10 +4,10 @@ namespace pickcell::sim {
 
 namespace {
 
-/// First group of each kind; "last" where all controllers agree.
+/// First group of each kind; "last" where all controllers agree (docs/yaskawa-protocols 2.5).
 constexpr int kInput = 1, kOutput = 1001, kExternalInput = 2001, kNetworkOutputOffset = 1000, kExternalOutput = 3001,
-              kSystemInput = 4001, kSystemInputLast = 4256, kSystemOutput = 5001, kSystemOutputLast = 5512,
-              kPanel = 6001, kPanelLast = 6064, kRelay = 7001, kRelayLast = 7999, kControl = 8001, kControlLast = 8512;
+              kSystemInput = 4001, kSystemOutput = 5001, kPanel = 6001, kPanelLast = 6064, kRelay = 7001,
+              kRelayLast = 7999, kControl = 8001;
 
 std::uint8_t general(const GeneralContacts& contacts, int nth_group) {
   const int first = nth_group * 8 + 1;
@@ -58,9 +58,10 @@ std::optional<std::uint8_t> read_group(const ControllerState& s, int group) {
   const bool known = within(group, kExternalInput, kExternalInput + general_groups - 1) ||
                      within(group, kExternalOutput, kExternalOutput + general_groups - 1) ||
                      within(group, network_first + kNetworkOutputOffset, network_last + kNetworkOutputOffset) ||
-                     within(group, kSystemInput, kSystemInputLast) || within(group, kPanel, kPanelLast) ||
-                     within(group, kRelay, kRelayLast) || within(group, kSystemOutput, kSystemOutputLast) ||
-                     within(group, kControl, kControlLast);
+                     within(group, kSystemInput, s.type.system_input_last) || within(group, kPanel, kPanelLast) ||
+                     within(group, kRelay, kRelayLast) || within(group, kSystemOutput, s.type.system_output_last) ||
+                     within(group, kControl, s.type.control_last) ||
+                     within(group, s.type.pseudo_first, s.type.pseudo_last);
   if (!known) return std::nullopt;
   return system_group(s, group);
 }

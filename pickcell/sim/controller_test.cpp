@@ -258,7 +258,19 @@ TEST(Scenario, RefusesWhatItDoesNotKnow) {
   EXPECT_NE(refused("[[event]]\nfault = \"drop\"\n").find("at_s"), std::string::npos);
   EXPECT_NE(refused("[[event]]\nat_s = 1\nafter_command = \"START\"\nfault = \"drop\"\n"), "");
   EXPECT_NE(refused("[[event]]\nat_s = 1\nfault = \"drop\"\ncuont = 3\n").find("count"), std::string::npos);
-  EXPECT_NE(refused("[[event]]\nafter_command = \"start\"\nfault = \"drop\"\n"), "");
+  EXPECT_EQ(refused("[[event]]\nat_s = 0\nfault = \"busy\"\n"), "");
+  for (const char* at_s : {"-1", "-0.001", "nan", "+inf", "-inf", "1e300", "\"soon\""})
+    EXPECT_NE(refused(std::string("[[event]]\nat_s = ") + at_s + "\nfault = \"drop\"\n").find("at_s"),
+              std::string::npos)
+        << at_s;
+  for (const char* command : {"START", "MDSP", "FILE", "0x89", "JOINTTRAJPT", "1"})
+    EXPECT_EQ(refused(std::string("[[event]]\nafter_command = \"") + command + "\"\nfault = \"drop\"\n"), "")
+        << command;
+  for (const char* command : {"start", "STRAT", "PMOVL", "0x72", "-1", "0", "", "1.5"})
+    EXPECT_NE(refused(std::string("[[event]]\nafter_command = \"") + command + "\"\nfault = \"drop\"\n")
+                  .find("after_command"),
+              std::string::npos)
+        << command;
 }
 
 }  // namespace

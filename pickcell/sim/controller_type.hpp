@@ -14,6 +14,8 @@ struct ControllerType {
   int network_input_first;  ///< the contacts a host may write
   int network_input_last;
   int angle_decimals;  ///< in RPOSC and SAVEV
+  // last groups of system inputs and outputs and of control status, first and last of pseudo inputs
+  int system_input_last, system_output_last, control_last, pseudo_first, pseudo_last;
 };
 
 /// Names: nx100, dx100, fs100, dx200, yrc1000.

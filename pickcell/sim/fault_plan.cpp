@@ -1,15 +1,18 @@
 #include "pickcell/sim/fault_plan.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string>
 #include <utility>
 
+#include "pickcell/sim/tcp80_commands.hpp"
+
 namespace pickcell::sim {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 11> kFaults{{{"drop", Fault::drop},
+constexpr std::array<std::pair<std::string_view, Fault>, 12> kFaults{{{"drop", Fault::drop},
                                                                       {"double", Fault::twice},
                                                                       {"late", Fault::late},
                                                                       {"truncate", Fault::truncate},
@@ -19,7 +22,8 @@ constexpr std::array<std::pair<std::string_view, Fault>, 11> kFaults{{{"drop", F
                                                                       {"estop", Fault::estop},
                                                                       {"teach", Fault::teach},
                                                                       {"hold", Fault::hold},
-                                                                      {"servo_off", Fault::servo_off}}};
+                                                                      {"servo_off", Fault::servo_off},
+                                                                      {"busy", Fault::busy}}};
 
 void read_command(core::Config& table, FaultEvent& event) {
   const std::string given = table.text("after_command");
@@ -27,8 +31,8 @@ void read_command(core::Config& table, FaultEvent& event) {
   if (error == std::errc{} && end == given.data() + given.size() && event.after_commands >= 1) return;
   event.after_commands = 0;
   event.after_command = given;
-  const bool name = !given.empty() && given.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
-  if (!name) table.problem("after_command", "must be a command such as \"START\", or a number of commands");
+  if (!is_scenario_command(given))
+    table.problem("after_command", "'" + given + "' is no command such as \"START\", and no number of commands");
 }
 
 FaultEvent read_event(core::Config& table) {
@@ -39,7 +43,7 @@ FaultEvent read_event(core::Config& table) {
   else
     table.problem("fault",
                   "is none of drop, double, late, truncate, half_line, reset_after_ok, alarm, estop, teach, "
-                  "hold, servo_off");
+                  "hold, servo_off, busy");
   if (table.has("at_s")) event.at_s = table.number("at_s");
   if (table.has("after_command")) read_command(table, event);
   if (event.at_s.has_value() == table.has("after_command"))
@@ -48,6 +52,9 @@ FaultEvent read_event(core::Config& table) {
   event.mid_move = table.boolean_or("mid_move", false);
   event.delay_s = table.number_or("delay_s", event.delay_s);
   event.code = static_cast<int>(table.integer_or("code", event.code));
+  constexpr double kLongest_s = 1e9;
+  if (event.at_s && !(*event.at_s >= 0 && *event.at_s <= kLongest_s))
+    table.problem("at_s", "must be between 0 and 1e9");
   if (event.count < 1 || event.count > 1'000'000) table.problem("count", "must be 1 or more");
   if (event.delay_s < 0 || event.delay_s > 3600) table.problem("delay_s", "must be between 0 and 3600");
   if (event.code < 1 || event.code > 9999) table.problem("code", "must be an alarm number 1-9999");
@@ -60,6 +67,14 @@ std::optional<Fault> fault(std::string_view name) {
   for (const auto& [known, value] : kFaults)
     if (known == name) return value;
   return std::nullopt;
+}
+
+bool is_scenario_command(std::string_view name) {
+  // HSES commands that have no counterpart, as hses_command_name() writes them.
+  static constexpr std::array<std::string_view, 6> kNumbers{"0x71", "0x74", "0x76", "0x77", "0x88", "0x89"};
+  static constexpr std::array<std::string_view, 5> kOthers{"FILE", "MOTIONCTRL", "JOINTTRAJPT", "MOTOROSIO", "MOTOROS"};
+  return is_tcp80_command(name) || std::find(kNumbers.begin(), kNumbers.end(), name) != kNumbers.end() ||
+         std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
 }
 
 bool of_answer(Fault fault) { return fault <= Fault::reset_after_ok; }

@@ -22,7 +22,8 @@ enum class Fault {
   estop,
   teach,
   hold,
-  servo_off  // of the controller
+  servo_off,  // of the controller
+  busy        // HSES: refused with D8F1 (files E444) and not carried out
 };
 [[nodiscard]] std::optional<Fault> fault(std::string_view name);
 /// True when the fault is one of an answer on the wire.
@@ -32,7 +33,7 @@ enum class Fault {
 struct FaultEvent {
   Fault fault = Fault::drop;
   std::optional<double> at_s;
-  std::string after_command;  ///< `after_command = "START"`: when such a command is carried out, `count` times
+  std::string after_command;  ///< `after_command = "START"`: with such a command, `count` times
   int after_commands = 0;     ///< `after_command = 12`: with the 12th command of any kind, `count` in a row
   int count = 1;              ///< how often: answers spoilt, or times the event happens
   bool mid_move = false;      ///< when due, wait until the arm moves
@@ -40,7 +41,10 @@ struct FaultEvent {
   int code = 4107;            ///< of an alarm
 };
 
-/// Unknown faults, keys and events without a time are errors.
+/// Commands go by the names of TCP 80; FILE, HSES numbers without such a name (0x89) and MotoROS messages besides.
+[[nodiscard]] bool is_scenario_command(std::string_view name);
+
+/// Errors: unknown faults, commands and keys, events without a time, times before 0.
 [[nodiscard]] core::Result<std::vector<FaultEvent>> parse_scenario(core::Config& config);
 
 /// Which events are due. Not thread-safe.

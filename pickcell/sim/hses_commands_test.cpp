@@ -153,6 +153,48 @@ TEST_F(HsesCommands, ContactsAreWritableWhereTheControllerSays) {
   EXPECT_EQ(order(hses_set_one(0x79, 999, {7, 0})), 0x2120);
 }
 
+TEST_F(HsesCommands, TheContactsOfEachControllerAreThoseOfTheReference) {
+  struct Range {
+    int first, last;
+  };
+  // docs/yaskawa-protocols 2.5, column by column; the next one after `last` is no contact.
+  const std::vector<Range> older{{1, 256},     {1001, 1256}, {2001, 2256}, {2501, 2756}, {3001, 3256}, {3501, 3756},
+                                 {4001, 4160}, {5001, 5200}, {6001, 6064}, {7001, 7999}, {8001, 8064}, {8201, 8220}};
+  const std::vector<Range> newer{{1, 512},     {1001, 1512}, {2001, 2512}, {2701, 2956}, {3001, 3512}, {3701, 3956},
+                                 {4001, 4256}, {5001, 5512}, {6001, 6064}, {7001, 7999}, {8001, 8512}, {8701, 8720}};
+  for (const auto& [type, ranges] :
+       {std::pair("dx100", older), {"fs100", older}, {"dx200", newer}, {"yrc1000", newer}}) {
+    state = ControllerState(settings(type));
+    for (const Range& r : ranges) {
+      for (const int there : {r.first, r.last})
+        EXPECT_EQ(order(hses_get(0x78, static_cast<std::uint16_t>(there), 1)), 0) << type << " " << there;
+      EXPECT_EQ(order(hses_get(0x78, static_cast<std::uint16_t>(r.last + 1), 1)), 0xA001) << type << " " << r.last + 1;
+    }
+  }
+}
+
+TEST_F(HsesCommands, AnEmergencyStopIsSeenAndKeepsTheServoOff) {
+  ASSERT_EQ(order(hses_power(kHsesServo, true)), 0);
+  ASSERT_EQ(order(hses_select_job("VISPICK", 0)), 0);
+  ASSERT_EQ(order(hses_start()), 0);
+  pass(0.3);
+  ASSERT_TRUE(state.move) << "to its waiting place";
+  state.press_emergency_stop();
+  EXPECT_EQ(ask(hses_get(0x78, 8002, 1)), (HsesBytes{0x40})) << "contact 80026, at the pendant";
+  pass(0.3);
+  const Joints stands = state.q;
+  EXPECT_EQ(ask(hses_get(0x72, 1)), (HsesBytes{194, 0, 0, 0, 0, 0, 0, 0})) << "neither running nor servo on";
+  EXPECT_EQ(order(hses_power(kHsesServo, true)), 0x3450);
+  EXPECT_EQ(order(hses_start()), 0x3010);
+  pass(1);
+  EXPECT_EQ(state.q, stands);
+  state.release_emergency_stop();
+  ASSERT_EQ(order(hses_power(kHsesServo, true)), 0);
+  ASSERT_EQ(order(hses_start()), 0);
+  pass(0.5);
+  EXPECT_NE(state.q, stands) << "START carries on";
+}
+
 TEST_F(HsesCommands, PositionInPulsesAndInTheBaseFrame) {
   EXPECT_EQ(*parse_hses_position(ask(hses_get(0x75, 101))),
             (HsesPosition{16, 0, 1, 0, 0, {480000, 0, 255000, 1800000, 0, 0, 0, 0}}));

@@ -132,7 +132,10 @@ std::optional<HsesAnswer> HsesFiles::acknowledged(const HsesRequest& r) {
 HsesAnswer HsesFiles::begin_load(const ControllerState& s, const HsesRequest& r) {
   const std::string name = text(r.payload);
   if (!s.remote) return hses_refusal(r, kNotRemote);
-  if (too_long(name)) return hses_refusal(r, kNameTooLong);
+  // More than NULs after the name: some clients put the file there; to answer "done" would be a lie.
+  const bool name_alone = r.payload.end() == std::find_if(r.payload.begin() + static_cast<std::ptrdiff_t>(name.size()),
+                                                          r.payload.end(), [](std::uint8_t b) { return b != 0; });
+  if (!name_alone || too_long(name)) return hses_refusal(r, kNameTooLong);
   job_ = job_of(name);
   if (job_.empty()) return hses_refusal(r, 0x4190);
   if (s.running() && s.in_use(job_)) return hses_refusal(r, kNotOverwritable);

@@ -94,6 +94,16 @@ TEST_F(HsesFileService, ARepeatedBlockCountsOnce) {
   EXPECT_EQ(state.jobs.at("MINE")->text, kJob);
 }
 
+TEST_F(HsesFileService, AFileBehindItsNameIsNotTakenForAName) {
+  HsesRequest r = hses_file(HsesService::file_load, "MINE.JBI");
+  r.payload.resize(r.payload.size() + 4, 0);
+  EXPECT_EQ(refused(r), 0) << "filled up with NULs";
+  const HsesBytes file = bytes(kJob);
+  r.payload.insert(r.payload.end(), file.begin(), file.end());
+  EXPECT_EQ(refused(r), 0xE2B4);
+  EXPECT_EQ(state.jobs.count("MINE"), 0u);
+}
+
 TEST_F(HsesFileService, WhatIsNoJobIsNotTaken) {
   std::string lf = kJob;
   std::erase(lf, '\r');

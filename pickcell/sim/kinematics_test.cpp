@@ -6,6 +6,7 @@
 #include <random>
 
 #include "pickcell/core/units.hpp"
+#include "pickcell/sim/dh_links.hpp"
 
 namespace pickcell::sim {
 namespace {
@@ -65,6 +66,23 @@ TEST_P(EveryArm, FindsTheWayBackFromRandomJointsInTheirForm) {
     const auto back = inverse_in_form(a, forward(a, q), form_of(a, q), q);
     ASSERT_TRUE(back.has_value()) << q.transpose();
     EXPECT_LT((*back - q).norm(), 1e-6) << q.transpose() << " / " << back->transpose();
+  }
+}
+
+TEST_P(EveryArm, TheLinksOfDenavitAndHartenbergLeadToTheSameFlange) {
+  const Arm& a = arm(GetParam());
+  std::mt19937 random(10);
+  const auto links = dh_links(a);
+  for (int i = 0; i < 200; ++i) {
+    const Joints q = random_joints(a, random);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    for (int n = 0; n < 6; ++n) {
+      const DhLink& link = links[static_cast<std::size_t>(n)];
+      T = T * Eigen::AngleAxisd(link.theta_rad + q[n], Eigen::Vector3d::UnitZ()) *
+          Eigen::Translation3d(link.a_m * Eigen::Vector3d::UnitX() + link.d_m * Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(link.alpha_rad, Eigen::Vector3d::UnitX());
+    }
+    EXPECT_LT((T.matrix() - forward(a, q).matrix()).norm(), 1e-12);
   }
 }
 

@@ -73,19 +73,20 @@ MotoFrame refused(std::int32_t subcode) { return moto_frame(robot::MotoIoRefusal
 template <class Act>
 MotoFrame reading(const MotoFrame& message, Act act) {
   const auto request = robot::parse_moto_address(message, message.type);
-  return request ? moto_frame(message.type + 1, act(request->address)) : refused(moto::size);
+  return request ? moto_frame(moto::io_reply(message.type), act(request->address)) : refused(moto::size);
 }
 
 template <class Act>
 MotoFrame writing(const MotoFrame& message, Act act) {
   const auto request = robot::parse_moto_write(message, message.type);
-  return request ? moto_frame(message.type + 1, act(request->address, request->value)) : refused(moto::size);
+  return request ? moto_frame(moto::io_reply(message.type), act(request->address, request->value))
+                 : refused(moto::size);
 }
 
 }  // namespace
 
 bool is_motoros_io(const MotoFrame& message) {
-  return message.type >= moto::kReadBit && message.type <= moto::kWriteRegisterReply && message.type != moto::kIoReply;
+  return message.type >= moto::kReadBit && message.type <= moto::kWriteRegister && message.type != moto::kIoReply;
 }
 
 MotoFrame execute_motoros_io(ControllerState& s, const MotoFrame& message) {

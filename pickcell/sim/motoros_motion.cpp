@@ -1,10 +1,13 @@
 #include "pickcell/sim/motoros_motion.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <vector>
 
 #include "pickcell/sim/controller_commands.hpp"
 #include "pickcell/sim/controller_contacts.hpp"
+#include "pickcell/sim/dh_links.hpp"
 #include "pickcell/sim/job_program.hpp"
 #include "pickcell/sim/motoros_io.hpp"
 
@@ -73,6 +76,19 @@ MotoRosAnswer wrong_size(const MotoFrame& message) {
   return {moto_frame(with(reply, moto::invalid, moto::size)), false, false};
 }
 
+/// Four groups of eight links of theta, d, a, alpha; what there is not is 0. The units are open: radians and
+/// millimetres.
+MotoFrame dh_parameters(const Arm& arm) {
+  constexpr std::size_t kLinksOfAGroup = 8, kWordsOfALink = 4;
+  MotoFrame frame{moto::kDhParameters, moto::kReply, moto::kSuccess,
+                  std::vector<std::uint32_t>(moto::kGroups * kLinksOfAGroup * kWordsOfALink)};
+  auto word = frame.body.begin();
+  for (const DhLink& link : dh_links(arm))
+    for (const double v : {link.theta_rad, link.d_m * 1e3, link.a_m * 1e3, link.alpha_rad})
+      *word++ = std::bit_cast<std::uint32_t>(static_cast<float>(v));
+  return frame;
+}
+
 }  // namespace
 
 std::string_view motoros_command_name(const MotoFrame& message) {
@@ -124,6 +140,8 @@ MotoRosAnswer MotoRosMotion::handle(ControllerState& s, const MotoFrame& message
       const auto select = robot::parse_moto_select_tool(message);
       return select ? MotoRosAnswer{moto_frame(select_tool(s, *select)), false, false} : wrong_size(message);
     }
+    case moto::kDhParameters:
+      return message.body.empty() ? MotoRosAnswer{dh_parameters(*s.arm), false, false} : wrong_size(message);
     default:
       return unknown(message);
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -288,6 +289,23 @@ TEST_F(MotoRos, GroupsAndTools) {
   expect(ask(moto_frame(robot::MotoSelectTool{0, 64, 9})), moto::invalid, moto::tool);
 }
 
+TEST_F(MotoRos, TellsTheLinksOfItsOneGroup) {
+  const MotoRosAnswer answer = motion_.handle(state_, {2020, 2, 0, {}});
+  ASSERT_TRUE(answer.frame);
+  EXPECT_EQ(answer.frame->type, 2020);
+  EXPECT_EQ(answer.frame->comm, moto::kReply);
+  EXPECT_EQ(answer.frame->reply, moto::kSuccess);
+  ASSERT_EQ(answer.frame->body.size(), 4u * 8 * 4);  // groups, links, numbers
+  const auto number = [&](std::size_t link, std::size_t n) {
+    return std::bit_cast<float>(answer.frame->body[link * 4 + n]);
+  };
+  EXPECT_FLOAT_EQ(number(0, 2), 40);    // S to L
+  EXPECT_FLOAT_EQ(number(1, 2), 445);   // L to U
+  EXPECT_FLOAT_EQ(number(3, 1), -440);  // U to B
+  for (std::size_t word = 6 * 4; word < answer.frame->body.size(); ++word) EXPECT_EQ(answer.frame->body[word], 0u);
+  expect(ask({2020, 2, 0, {1}}), moto::invalid, moto::size);
+}
+
 TEST_F(MotoRos, ContactsGroupsAndRegisters) {
   const auto io = [this](std::int32_t type, const auto& message) {
     return execute_motoros_io(state_, moto_frame(type, message));
@@ -299,18 +317,18 @@ TEST_F(MotoRos, ContactsGroupsAndRegisters) {
   EXPECT_EQ(state_.network_inputs.at(2701), 8);
   EXPECT_EQ(io(moto::kWriteGroup, MotoWrite{1001, 0x81}), moto_frame(moto::kWriteGroupReply, MotoWritten{0}));
   EXPECT_TRUE(state_.outputs[1] && state_.outputs[8] && !state_.outputs[2]);
-  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{5, 700}), moto_frame(moto::kWriteRegisterReply, MotoWritten{0}));
-  EXPECT_EQ(io(moto::kReadRegister, MotoAddress{5}), moto_frame(moto::kReadRegisterReply, MotoValue{700, 0}));
+  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{5, 700}), moto_frame(moto::kWriteRegister, MotoWritten{0}));
+  EXPECT_EQ(io(moto::kReadRegister, MotoAddress{5}), moto_frame(moto::kReadRegister, MotoValue{700, 0}));
   // the result codes of the reference
   EXPECT_EQ(io(moto::kReadBit, MotoAddress{27018}), moto_frame(moto::kReadBitReply, MotoValue{0, 1001}));
   EXPECT_EQ(io(moto::kReadGroup, MotoAddress{4'000'000'000}), moto_frame(moto::kReadGroupReply, MotoValue{0, 1001}));
-  EXPECT_EQ(io(moto::kReadRegister, MotoAddress{1000}), moto_frame(moto::kReadRegisterReply, MotoValue{0, 1001}));
+  EXPECT_EQ(io(moto::kReadRegister, MotoAddress{1000}), moto_frame(moto::kReadRegister, MotoValue{0, 1001}));
   EXPECT_EQ(io(moto::kWriteBit, MotoWrite{10, 1}), moto_frame(moto::kWriteBitReply, MotoWritten{1002}));
   EXPECT_EQ(io(moto::kWriteGroup, MotoWrite{1, 1}), moto_frame(moto::kWriteGroupReply, MotoWritten{1002}));
-  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{560, 1}), moto_frame(moto::kWriteRegisterReply, MotoWritten{1002}));
+  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{560, 1}), moto_frame(moto::kWriteRegister, MotoWritten{1002}));
   EXPECT_EQ(io(moto::kWriteBit, MotoWrite{27010, 2}), moto_frame(moto::kWriteBitReply, MotoWritten{1003}));
   EXPECT_EQ(io(moto::kWriteGroup, MotoWrite{2701, 256}), moto_frame(moto::kWriteGroupReply, MotoWritten{1003}));
-  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{0, 65536}), moto_frame(moto::kWriteRegisterReply, MotoWritten{1003}));
+  EXPECT_EQ(io(moto::kWriteRegister, MotoWrite{0, 65536}), moto_frame(moto::kWriteRegister, MotoWritten{1003}));
   EXPECT_EQ(execute_motoros_io(state_, {2011, 2, 0, {}}), moto_frame(robot::MotoIoRefusal{3, 3003}));
   EXPECT_EQ(execute_motoros_io(state_, {2003, 2, 0, {}}), moto_frame(robot::MotoIoRefusal{3, 3001}));
 }

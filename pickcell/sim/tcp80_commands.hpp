@@ -23,4 +23,7 @@ struct Tcp80Answer {
 /// CVTSJ) are refused as unknown, 1010.
 [[nodiscard]] Tcp80Answer execute_tcp80(ControllerState& state, std::string_view command, std::string_view operands);
 
+/// One that is carried out, as opposed to refused as unknown.
+[[nodiscard]] bool is_tcp80_command(std::string_view name);
+
 }  // namespace pickcell::sim
