@@ -4,9 +4,11 @@
 
 #include <fstream>
 #include <future>
+#include <map>
 #include <set>
 
 #include "fake_camera.hpp"
+#include "pickcell/frames/camera_list.hpp"
 #include "pickcell/frames/open_source.hpp"
 
 namespace pickcell {
@@ -225,6 +227,28 @@ TEST_F(GigeCamera, ATriggeredPictureIsTakenAfterTheCall) {
     EXPECT_GT(frame->sequence, last);
     last = frame->sequence;
   }
+}
+
+/// The fake camera has the registers of a hardware trigger and of binning, but no line that pulses and no pixels that
+/// it joins.
+TEST_F(GigeCamera, AHardwareTriggerIsSetAndItsSilenceExplained) {
+  const FakeCamera fake;
+  {
+    auto source = open({"trigger=Line0", "binning=2"});
+    ASSERT_TRUE(source) << source.error().line();
+    const auto frame = grab(**source, 0.3);
+    ASSERT_FALSE(frame);
+    EXPECT_NE(frame.error().remedy.find("waiting for a trigger"), std::string::npos) << frame.error().line();
+    EXPECT_TRUE((*source)->health()) << "it is there, only silent";
+  }
+  const auto features = frames::camera_features("aravis:127.0.0.1");
+  ASSERT_TRUE(features) << features.error().line();
+  std::map<std::string, std::string> value(features->begin(), features->end());
+  EXPECT_EQ(value["TriggerMode"], "On");
+  EXPECT_EQ(value["TriggerSource"], "Line0");
+  EXPECT_EQ(value["TriggerSelector"], "FrameStart");
+  EXPECT_EQ(value["BinningHorizontal"], "2");
+  EXPECT_EQ(value["BinningVertical"], "2");
 }
 
 TEST_F(GigeCamera, FreeRunningGivesAPictureBegunAfterTheCall) {
