@@ -33,11 +33,16 @@ bool CameraWatch::look(AlarmList& alarms, std::int64_t unix_us) {
     now.connected = false;
     now.why = health.error().what.empty() ? health.error().why : health.error().what + ": " + health.error().why;
     now.remedy = health.error().remedy.empty() ? "check the camera's power and cable" : health.error().remedy;
-    alarms.raise(kCode, 1, "No camera: " + now.why, now.why, {now.remedy}, unix_us);
-  } else if (!view_.connected) {
-    alarms.clear(kCode, unix_us);
   }
   const bool changed = now != view_;
+  // Once, not at every look: each raising is news to everybody who watches.
+  if (!now.connected && (changed || !raised_)) {
+    alarms.raise(kCode, 1, "No camera: " + now.why, now.why, {now.remedy}, unix_us);
+    raised_ = true;
+  } else if (now.connected && raised_) {
+    alarms.clear(kCode, unix_us);
+    raised_ = false;
+  }
   view_ = std::move(now);
   return changed;
 }

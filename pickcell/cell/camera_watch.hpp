@@ -20,6 +20,8 @@ class CameraWatch {
   /// Asks the source how it is, which waits for nothing. A loss raises the alarm CAMERA_LOST, the return clears it.
   /// True when view() is another one than before.
   bool look(AlarmList& alarms, std::int64_t unix_us);
+  /// Somebody cleared all alarms: the next look raises anew what still holds.
+  void alarms_cleared() { raised_ = false; }
   [[nodiscard]] const CameraView& view() const { return view_; }
   /// Why no picture can be taken, by the last look.
   [[nodiscard]] std::optional<Hindrance> hindrance() const;
@@ -27,6 +29,7 @@ class CameraWatch {
  private:
   const frames::FrameSource& source_;
   CameraView view_;
+  bool raised_ = false;
 };
 
 }  // namespace pickcell::cell

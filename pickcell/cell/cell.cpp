@@ -166,6 +166,7 @@ void Cell::do_reset() {
   if (!settled) return enter(settled.error());
   person_must_look_ = false;
   arm_.alarms().clear_all(clock_.unix_us());
+  camera_.alarms_cleared();
   watch_camera();
   reason_.clear();
   remedy_.clear();
