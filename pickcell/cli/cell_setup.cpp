@@ -48,7 +48,7 @@ core::Status check_source(const std::string& source, const std::filesystem::path
   if (source == "sim") return {};
   auto known = frames::check_source(source);
   if (known) return {};
-  return failure(ErrorCode::usage, file.string(), "'camera.source' is \"" + source + "\", which " + known.error().why,
+  return failure(ErrorCode::usage, file.string(), "'camera.source' = \"" + source + "\": " + known.error().why,
                  known.error().remedy);
 }
 
