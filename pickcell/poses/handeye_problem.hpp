@@ -71,6 +71,9 @@ struct Explanation {
 /// What the magnitudes of the poses alone say, or "".
 [[nodiscard]] std::string suspicious_units(const std::vector<ArmView>& views);
 
+/// The whole of calibrate_handeye with the lens as given.
+[[nodiscard]] core::Result<HandeyeFit> fit_with_lens(const HandeyeInput& input);
+
 /// M of a pose.
 [[nodiscard]] Eigen::Isometry3d move_of(const HandeyeInput& input, const Eigen::Isometry3d& pose);
 
