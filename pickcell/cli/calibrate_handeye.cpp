@@ -179,6 +179,7 @@ core::Result<int> run(const Options& options, Io& io) {
   auto camera = save_lens(*fit, options, prepared->camera);
   if (!camera) return core::forward(camera);
   fit->calibration.camera = prepared->camera.checksum;
+  fit->calibration.board = options.board;
   fit->calibration.date = today();
   if (auto saved = poses::save_handeye(options.out, fit->calibration); !saved) return core::forward(saved);
   if (!options.report.empty())

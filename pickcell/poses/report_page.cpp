@@ -20,7 +20,7 @@ constexpr const char* kStyle =
     "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:1000px;margin:2em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}"
     "td:first-child,th:first-child{text-align:left}.verdict{padding:.6em 1em;border-radius:6px;color:#fff}"
-    ".excellent,.good{background:#2a7d3f}.usable{background:#b07a00}.reject{background:#b3261e}"
+    ".excellent,.good,.ok{background:#2a7d3f}.usable,.drifted{background:#8f6200}.reject{background:#b3261e}"
     "svg{display:block;max-width:100%;height:auto;margin:.5em 0 1.5em;background:#f4f4f4}</style>";
 
 std::string escaped(const std::string& text) {
@@ -81,9 +81,9 @@ std::vector<double> lengths(const std::vector<ReportView>& views) {
 
 }  // namespace
 
-ReportPage::ReportPage(const std::string& title, Verdict verdict, const std::string& why) {
+ReportPage::ReportPage(const std::string& title, const std::string& verdict, const std::string& why) {
   html_ = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" + escaped(title) + "</title>" + kStyle +
-          "<h1>" + escaped(title) + "</h1><p class=\"verdict " + name(verdict) + "\"><b>" + name(verdict) +
+          "<h1>" + escaped(title) + "</h1><p class=\"verdict " + escaped(verdict) + "\"><b>" + escaped(verdict) +
           "</b>: " + escaped(why) + "</p>\n";
 }
 
