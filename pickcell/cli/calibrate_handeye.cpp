@@ -1,6 +1,7 @@
 /// pickcell calibrate handeye: camera and arm, from pictures and arm poses.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <ostream>
@@ -54,15 +55,19 @@ struct Prepared {
   poses::CameraCalibration camera;
 };
 
+std::string size_misfit(const BoardPicture& p, const poses::Lens& lens) {
+  if (p.width_px == lens.width_px && p.height_px == lens.height_px) return {};
+  return "is " + std::to_string(p.width_px) + "x" + std::to_string(p.height_px) +
+         " pixels, the camera calibration is for " + std::to_string(lens.width_px) + "x" +
+         std::to_string(lens.height_px);
+}
+
+/// At least one picture must have the lens's size; others are left out one by one.
 core::Status sizes_fit(const std::vector<BoardPicture>& pictures, const poses::Lens& lens) {
   for (const BoardPicture& p : pictures)
-    if (p.width_px != lens.width_px || p.height_px != lens.height_px)
-      return failure(ErrorCode::unreadable, p.name,
-                     "is " + std::to_string(p.width_px) + "x" + std::to_string(p.height_px) +
-                         " pixels, the camera calibration is for " + std::to_string(lens.width_px) + "x" +
-                         std::to_string(lens.height_px),
-                     "use pictures of the calibrated size, or calibrate the camera again");
-  return {};
+    if (p.width_px == lens.width_px && p.height_px == lens.height_px) return {};
+  return failure(ErrorCode::unreadable, pictures.front().name, size_misfit(pictures.front(), lens),
+                 "use pictures of the calibrated size, or calibrate the camera again");
 }
 
 core::Result<Prepared> prepare(const Options& options, Io& io) {
@@ -95,12 +100,15 @@ core::Result<Prepared> prepare(const Options& options, Io& io) {
   if (auto fit = sizes_fit(*pictures, camera->lens); !fit) return core::forward(fit);
   for (std::size_t i = 0; i < pictures->size(); ++i) {
     BoardPicture& p = (*pictures)[i];
-    if (p.view)
+    if (const std::string misfit = size_misfit(p, camera->lens); !misfit.empty())
+      out.left_out.push_back({p.name, misfit});
+    else if (p.view)
       out.input.views.push_back({{p.name, *p.view}, (*arm)[i]});
     else
       out.left_out.push_back({p.name, p.view.error().why});
   }
-  if (out.input.views.empty()) return tl::unexpected(rejected(no_board(*pictures, *board), options.json, io.out));
+  const bool none = std::all_of(pictures->begin(), pictures->end(), [](const BoardPicture& p) { return !p.view; });
+  if (none) return tl::unexpected(rejected(no_board(*pictures, *board), options.json, io.out));
   return out;
 }
 

@@ -48,7 +48,7 @@ core::Status write_camera_report(const std::filesystem::path& path, const Board&
                  figure(c.rms_px, 3) + " px, on pictures held out " + figure(c.holdout_rms_px, 3) + " px; " +
                  figure(100 * fit.coverage, 0) + " % of the picture covered, normals within " +
                  figure(fit.tilt_range_deg, 0) + " degrees.");
-  for (const std::string& advice : fit.advice) page.paragraph("Add: " + advice + ".");
+  for (const std::string& advice : fit.advice) page.paragraph("Missing: " + advice + ".");
   lens_table(page, fit);
   std::vector<ReportView> views;
   Rows rows;
@@ -120,7 +120,6 @@ core::Status write_verify_report(const std::filesystem::path& path, const std::s
              {{"drift on the plane, mm", figure(result.drift_mm, 3), figure(kDriftOkMm, 2)},
               {"drift, deg", figure(result.drift_deg, 4), figure(kDriftOkDeg, 2)},
               {"picture against the lens, px", figure(result.rms_px, 3), figure(kDriftPicturePx, 2)}});
-  page.paragraph("Arrows lead from where the calibration expects each point to where it is seen now.");
   const std::vector<ReportView> views{{image, &result.view, &result.residual_px, {}}};
   page.coverage_map(views);
   page.histogram(views);

@@ -25,7 +25,7 @@ struct Reading {
 Reading of_poses(std::string fault, std::function<bool(const HandeyeInput&)> applies,
                  std::function<Eigen::Isometry3d(const ArmPose&)> pose) {
   return {std::move(fault), [applies, pose](const HandeyeInput& input, Stations& stations) {
-            if (!applies(input)) return false;
+            if (!applies(input) || stations.size() != input.views.size()) return false;
             for (std::size_t i = 0; i < stations.size(); ++i)
               stations[i].move = move_of(input, pose(input.views[i].arm));
             return true;
@@ -68,11 +68,22 @@ Eigen::Isometry3d angles_backwards(const ArmPose& arm) {
   return with_rotation(arm, rotation_zyx({arm.angles_deg[2], arm.angles_deg[1], arm.angles_deg[0]}));
 }
 
-Eigen::Isometry3d rotation_vector(const ArmPose& arm) {
-  const double angle = core::rad_from_deg(arm.angles_deg.norm());
-  if (angle == 0) return with_rotation(arm, Eigen::Matrix3d::Identity());
-  return with_rotation(arm, Eigen::AngleAxisd(angle, arm.angles_deg.normalized()).toRotationMatrix());
+/// unit_rad: of the numbers that were read as degrees.
+std::function<Eigen::Isometry3d(const ArmPose&)> rotation_vector(double unit_rad) {
+  return [unit_rad](const ArmPose& arm) {
+    const double angle = unit_rad * arm.angles_deg.norm();
+    if (angle == 0) return with_rotation(arm, Eigen::Matrix3d::Identity());
+    return with_rotation(arm, Eigen::AngleAxisd(angle, arm.angles_deg.normalized()).toRotationMatrix());
+  };
 }
+
+/// O, A, T of some makers: R = Rz(O) * Ry(A) * Rz(T).
+Eigen::Isometry3d angles_zyz(const ArmPose& arm) {
+  const Eigen::Vector3d& a = arm.angles_deg;
+  return with_rotation(arm, rotation_zyx({0, 0, a[0]}) * rotation_zyx({0, a[1], 0}) * rotation_zyx({0, 0, a[2]}));
+}
+
+Eigen::Isometry3d rotation_inverted(const ArmPose& arm) { return with_rotation(arm, arm.pose().linear().transpose()); }
 
 Eigen::Isometry3d scalar_first(const ArmPose& arm) {
   const Eigen::Quaterniond& q = arm.quaternion;  // the file's order was w, x, y, z
@@ -110,6 +121,25 @@ std::function<bool(const HandeyeInput&, Stations&)> shifted(std::size_t by) {
   };
 }
 
+/// Poses in the order of recording, pictures as a folder lists them by name: 1, 10, 11, 2, ... Both ways round.
+std::function<bool(const HandeyeInput&, Stations&)> sorted_by_name(bool pictures) {
+  return [pictures](const HandeyeInput& input, Stations& stations) {
+    const std::size_t n = stations.size();
+    if (n != input.views.size()) return false;  // a picture without the board: nobody knows which row is whose
+    std::vector<std::size_t> by_name(n);
+    for (std::size_t i = 0; i < n; ++i) by_name[i] = i;
+    std::sort(by_name.begin(), by_name.end(),
+              [&](std::size_t a, std::size_t b) { return input.views[a].arm.image < input.views[b].arm.image; });
+    Moves moves(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t from = pictures ? i : by_name[i], to = pictures ? by_name[i] : i;
+      moves[to] = stations[from].move;
+    }
+    for (std::size_t i = 0; i < n; ++i) stations[i].move = moves[i];
+    return !std::is_sorted(by_name.begin(), by_name.end());
+  };
+}
+
 bool reversed_rows(const HandeyeInput&, Stations& stations) {
   Moves moves;
   for (const Station& s : stations) moves.push_back(s.move);
@@ -135,11 +165,19 @@ std::vector<Reading> readings(std::size_t views) {
       of_poses("positions are in inches", always, with_position(25.4)),
       of_poses("the order of the rotations is Rx*Ry*Rz instead of Rz*Ry*Rx", euler, rotations_reversed),
       of_poses("the columns rx and rz are swapped", euler, angles_backwards),
-      of_poses("the angles are a rotation vector, not rx, ry, rz", euler, rotation_vector),
+      of_poses("the angles are a rotation vector, not rx, ry, rz", euler, rotation_vector(core::rad_from_deg(1))),
+      of_poses("the angles are a rotation vector in radians, not rx, ry, rz in degrees", euler, rotation_vector(1)),
+      of_poses("the angles are those of Rz*Ry*Rz instead of Rz*Ry*Rx", euler, angles_zyz),
+      of_poses("the rotations are inverted, the positions are not", always, rotation_inverted),
       of_poses("the quaternion's order is w, x, y, z instead of x, y, z, w", quaternion, scalar_first),
       {"the poses are inverted (T_flange_base), or the mounting is the other one (--eye-in-hand, --eye-to-hand)",
        invert_moves},
       {"the board or the pictures are mirrored", mirror_pictures},
+      {"rows are mixed up: the poses stand in the order of recording, the pictures in that of their names (1, 10, 11, "
+       "2)",
+       sorted_by_name(true)},
+      {"rows are mixed up: the pictures stand in the order of recording, the poses in that of the names (1, 10, 11, 2)",
+       sorted_by_name(false)},
       {"rows are reversed: the last pose belongs to the first picture", reversed_rows},
       {"rows are shifted by one: each pose belongs to the picture before", shifted(1)},
       {"rows are shifted by one: each pose belongs to the picture after", shifted(views - 1)},

@@ -78,8 +78,9 @@ core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
   other.lens = lens->fit.calibration.lens;
   auto own = detail::fit_with_lens(other);
   if (!own || !arm_agrees(*given, *own)) {
-    given->why += "; the given lens does not fit these pictures" + figures + ", which does not help: the arm's poses " +
-                  "disagree more)";
+    if (given->fault.empty())
+      given->why +=
+          "; the given lens does not fit these pictures" + figures + "), but the arm's poses agree better with it";
     return given;
   }
   own->why += "; made with a lens from these pictures, because the given one does not fit them" + figures + ")";
