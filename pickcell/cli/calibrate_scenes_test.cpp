@@ -85,13 +85,15 @@ INSTANTIATE_TEST_SUITE_P(All, Kinds,
 
 TEST(BoardDetection, ABoardLargerThanStatedIsNamed) {
   const image::Image picture = sim::board_picture(scene().camera, scene().pattern, scene().T_camera_board(1), {});
-  for (const char* smaller : {"chessboard:8x6:25mm", "chessboard:9x5:25mm", "chessboard:8x5:25mm"}) {
-    const auto found = poses::detect_board(picture.view(), *poses::parse_board(smaller), "a.png");
+  for (const char* smaller : {"chessboard:9x5:25mm", "chessboard:8x5:25mm"}) {
+    const auto board = *poses::parse_board(smaller);
+    const auto found = poses::detect_board(picture.view(), board, "a.png");
     ASSERT_FALSE(found) << smaller;
     EXPECT_EQ(found.error().code, core::ErrorCode::negative);
-    const std::string said =
-        found.error().line() + poses::what_else_is_seen(picture.view(), *poses::parse_board(smaller));
-    EXPECT_TRUE(said.find("more ") != std::string::npos || said.find("9x6") != std::string::npos) << said;
+    const bool said = found.error().why.find("more ") != std::string::npos;
+    if (!said) {
+      EXPECT_NE(poses::what_else_is_seen(picture.view(), board).find("9x6"), std::string::npos);
+    }
   }
 }
 
@@ -160,6 +162,7 @@ TEST(Handeye, OfRenderedPicturesIsGoodAndTrue) {
   EXPECT_LT(error.mm, 0.3);
   EXPECT_LT(error.deg, 0.02);
   EXPECT_EQ(fit->by_method.size(), 5U);
+  EXPECT_FALSE(fit->own_lens);
 }
 
 TEST(Handeye, AGivenLensThatDoesNotFitIsReplacedByThePicturesOwnAndSaid) {
@@ -176,9 +179,6 @@ TEST(Handeye, AGivenLensThatDoesNotFitIsReplacedByThePicturesOwnAndSaid) {
   ASSERT_TRUE(kept);
   EXPECT_FALSE(kept->own_lens);
   EXPECT_NE(kept->why.find("does not fit"), std::string::npos) << kept->why;
-  // A lens that fits stays.
-  const auto good = poses::calibrate_handeye(rendered());
-  EXPECT_FALSE(good->own_lens);
 }
 
 TEST(Handeye, BesideTheArmIsTheSameProblem) {

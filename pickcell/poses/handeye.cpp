@@ -244,12 +244,16 @@ void judge_fit(HandeyeFit& out, bool poses_left_out) {
   verdict.add(judge(out.picture_rms_px, kPicturePx), "the pictures alone fit the camera calibration only to " +
                                                          figure(out.picture_rms_px, 2) +
                                                          " px (lens, board size or picture size is wrong)");
-  if (poses_left_out)
-    verdict.add(Verdict::usable, std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image +
-                                     ": " + out.left_out.front().reason);
+  std::string left_out;
+  if (poses_left_out) {
+    left_out = std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image + ": " +
+               out.left_out.front().reason;
+    verdict.add(Verdict::usable, left_out);
+  }
   if (out.views.size() < 6) verdict.add(Verdict::usable, std::to_string(out.views.size()) + " pictures are few");
   out.calibration.verdict = verdict.verdict();
   out.why = verdict.why();
+  if (poses_left_out && out.why.find(" left out: ") == std::string::npos) out.why += "; " + left_out;
 }
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.

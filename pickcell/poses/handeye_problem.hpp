@@ -54,7 +54,8 @@ constexpr std::array<Solver, 5> kSolvers{Solver::park, Solver::horaud, Solver::t
 
 /// The best of random subsets by the median of the stations' errors, with the board numbered by its symmetries so that
 /// it fits; stands up to almost half of the poses being wrong. Changes T_camera_board and view of stations.
-[[nodiscard]] std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations);
+[[nodiscard]] std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations,
+                                                    int subsets = 60);
 
 /// Why these motions cannot be solved, or "": hardly any rotation, or rotations about one axis only.
 [[nodiscard]] std::string unsolvable(const Stations& stations);

@@ -174,12 +174,13 @@ class VerifiedCell : public WalkingCell {
     const core::Transform<core::Camera, core::Camera> bump(Eigen::Matrix3d::Identity(), {moved_m, 0, 0});
     const image::Image picture =
         sim::board_picture(camera.intrinsics, {.spacing_m = 0.03}, bump * *plane.T_camera_board, {});
-    ASSERT_TRUE(image::save_png(folder_ / "board.png", picture.view()));
+    std::filesystem::create_directories(folder_ / "shots");
+    ASSERT_TRUE(image::save_png(folder_ / "shots/board.png", picture.view()));
     auto text = *core::read_text_file(folder_ / "CELL.toml");
     const auto put = [&](const std::string& old, const std::string& now) {
       text.replace(text.find(old), old.size(), now);
     };
-    put("source = \"sim\"", "source = \"files:board.png\"\nid = \"sim-camera\"\nloop = true");
+    put("source = \"sim\"", "source = \"files:shots\"\nid = \"sim-camera\"\nloop = true");
     put("plane = \"plane.toml\"", "plane = \"plane.toml\"\nverify_at_start = \"" + how + "\"");
     ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
   }
