@@ -66,7 +66,8 @@ Cell::Cell(CellParts parts, CellSettings settings)
       ledger_(std::move(parts.log), desk_, clock_, tray_sizes(settings_.planner)),
       arm_(parts.robot, clock_, *seat_, settings_.robot_link),
       camera_(source_),
-      trays_(parts.trays) {
+      trays_(parts.trays),
+      camera_check_(std::move(parts.camera_check)) {
   show(Mode::idle, "connecting to the robot");
 }
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -25,6 +26,10 @@
 
 namespace pickcell::cell {
 
+/// Whether the camera still stands where it was calibrated, from a picture of the board in its reference place: words
+/// when it does. Errors: negative: no board; safety: it does not.
+using CameraCheck = std::function<core::Result<std::string>(const frames::Frame&)>;
+
 /// What a cell is put together from. The references must outlive it.
 struct CellParts {
   core::Clock& clock;
@@ -34,6 +39,7 @@ struct CellParts {
   Vision vision;
   RunLog log;
   TrayRecord* trays = nullptr;  ///< null: trays are forgotten with the process
+  CameraCheck camera_check{};   ///< asked once, before the first pick; empty: never
 };
 
 struct CellSettings {
@@ -52,6 +58,8 @@ struct CellSettings {
   double grab_timeout_s = 2;
   double camera_wait_s = 60;          ///< for a camera that got lost while the cell runs; then it is a fault
   std::int64_t stop_after_picks = 0;  ///< stand when so many picks are dealt with; 0: never
+  bool board_is_taken_away = false;   ///< after the camera check the cell stands and waits for another Start
+  core::Transform<core::Flange, core::Tool> T_flange_tool;  ///< of the poses that the arm gives, for a camera on it
   bool start_at_once = false;  ///< as if Start was pressed when the robot is connected: for runs without a person
 };
 
@@ -96,6 +104,9 @@ class Cell final : public CellPort {
   [[nodiscard]] Or<void> begin_work();
   [[nodiscard]] Or<void> settle();
   [[nodiscard]] Or<void> wait_until_clear();
+  [[nodiscard]] Or<void> check_camera();
+  /// With the arm's pose at exposure, when the camera is on it.
+  [[nodiscard]] Or<frames::Frame> picture_with_pose();
   [[nodiscard]] Or<void> look();
   [[nodiscard]] Or<frames::Frame> take_picture();
   [[nodiscard]] Or<void> wait_for_camera(core::TimePoint deadline);
@@ -127,6 +138,7 @@ class Cell final : public CellPort {
   Arm arm_;
   CameraWatch camera_;
   TrayRecord* trays_;
+  CameraCheck camera_check_;  ///< empty once it was passed
 
   Mode mode_ = Mode::idle;
   std::string step_, reason_, remedy_;

@@ -1,5 +1,7 @@
 #include "pickcell/cell/cell_config.hpp"
 
+#include <algorithm>
+
 namespace pickcell::cell {
 
 using core::Config;
@@ -60,12 +62,26 @@ CalibrationConfig read_calibration(Config table) {
   CalibrationConfig out;
   out.camera = table.path("camera");
   if (table.has("handeye")) {
-    table.path_if("handeye");
-    table.problem("handeye", "is not supported yet: a fixed camera with 'plane' is");
+    out.handeye = table.path("handeye");
+    if (table.has("plane")) table.problem("handeye", "and plane are given: one of them says where the camera stands");
+    if (table.path_if("plane")) return out;
+    if (table.has("plane_z_mm")) out.plane_z_mm = table.number("plane_z_mm");
+    const std::vector<double> tool = table.numbers_or("flange_tool_mm_deg", std::vector<double>(6, 0.0));
+    if (tool.size() == 6)
+      std::copy(tool.begin(), tool.end(), out.flange_tool_mm_deg.begin());
+    else
+      table.problem("flange_tool_mm_deg", "must have six numbers: x, y, z in mm, rx, ry, rz in degrees");
   } else {
     out.plane = table.path("plane");
   }
   out.max_age_days = positive(table, "max_age_days", 365);
+  const std::string verify = table.string_or("verify_at_start", "never");
+  if (verify == "board_stays")
+    out.verify_at_start = VerifyAtStart::board_stays;
+  else if (verify == "board_is_taken_away")
+    out.verify_at_start = VerifyAtStart::board_is_taken_away;
+  else if (verify != "never")
+    table.problem("verify_at_start", "must be \"never\", \"board_stays\" or \"board_is_taken_away\"");
   return out;
 }
 

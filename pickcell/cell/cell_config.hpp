@@ -31,10 +31,21 @@ struct RobotConfig {
   bool allow_motion = false;
 };
 
+enum class VerifyAtStart {
+  never,
+  board_stays,          ///< the board is mounted in the picture
+  board_is_taken_away,  ///< a person lays it down and takes it away again: a second Start begins the work
+};
+
 struct CalibrationConfig {
   std::filesystem::path camera;
-  std::filesystem::path plane;
+  std::filesystem::path plane;       ///< of a fixed camera; empty with handeye
+  std::filesystem::path handeye;     ///< empty with plane
+  std::optional<double> plane_z_mm;  ///< with handeye: height of the level work plane in the robot's frame
+  std::array<double, 6>
+      flange_tool_mm_deg{};  ///< with handeye: x, y, z, rx, ry, rz of the tool whose poses the arm gives
   double max_age_days = 365;
+  VerifyAtStart verify_at_start = VerifyAtStart::never;  ///< once after the cell comes up, before it picks
 };
 
 struct LimitsConfig {

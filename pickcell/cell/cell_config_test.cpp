@@ -85,7 +85,11 @@ TEST(CellConfig, MissingAndWrongValuesNameFileAndKey) {
             "CELL.toml: 'part[0].place.pitch_x_mm' is needed for more than one column");
   EXPECT_EQ(problem_of(replaced(kGood, "\"indexed\"", "\"tracked\"")),
             "CELL.toml: 'feed.kind' must be \"none\" or \"indexed\"");
-  EXPECT_NE(problem_of(replaced(kGood, "plane = \"plane.toml\"", "handeye = \"h.toml\"")).find("not supported yet"),
+  EXPECT_NE(problem_of(replaced(kGood, "plane = \"plane.toml\"", "plane = \"p.toml\"\nhandeye = \"h.toml\""))
+                .find("one of them"),
+            std::string::npos);
+  EXPECT_NE(problem_of(replaced(kGood, "plane = \"plane.toml\"", "plane = \"p.toml\"\nverify_at_start = \"yes\""))
+                .find("board_stays"),
             std::string::npos);
   EXPECT_NE(problem_of(replaced(kGood, "box_min_mm = [100, -400, -5]", "")).find("box_min_mm"), std::string::npos);
 }

@@ -52,8 +52,49 @@ Or<void> Cell::begin_work() {
   if (auto settled = settle(); !settled) return settled;
   // The job runs and nothing is left to settle: what is still open here never reached the controller.
   if (ledger_.open()) ledger_.give_back("", "was not handed over");
+  if (camera_check_)
+    if (auto stands = check_camera(); !stands) return stands;
   ledger_.cycle_begins();
   return {};
+}
+
+Or<void> Cell::check_camera() {
+  if (auto clear = wait_until_clear(); !clear) return clear;
+  auto frame = picture_with_pose();
+  if (!frame) return tl::unexpected(frame.error());
+  show_step("looking whether the camera still stands where it was calibrated");
+  const auto checked = camera_check_(*frame);
+  if (!checked && checked.error().code == core::ErrorCode::negative)
+    return stand("NO_BOARD", "the camera cannot be verified: " + checked.error().why,
+                 "lay the board in its reference place and press Start again");
+  if (!checked) return fault("CAMERA_MOVED", checked.error().why, checked.error().remedy);
+  camera_check_ = nullptr;
+  if (auto logged = ledger_.event("CAMERA_VERIFIED", *checked); !logged)
+    return tl::unexpected(halt_from(logged.error(), "recording"));
+  if (settings_.board_is_taken_away)
+    return stand("CAMERA_VERIFIED", "the camera is verified: " + *checked, "take the board away and press Start");
+  return {};
+}
+
+Or<frames::Frame> Cell::picture_with_pose() {
+  if (!vision_.rides_on_arm()) return take_picture();
+  constexpr int kTries = 5;
+  constexpr double kStandsM = 0.05e-3, kStandsRad = 2e-4;
+  for (int i = 0; i < kTries; ++i) {
+    const auto before = arm_.robot().pose();
+    if (!before) return arm_.failed(before.error(), "reading where the camera on the arm is");
+    auto frame = take_picture();
+    if (!frame) return frame;
+    // The arm is asked again: only when it stood, its pose is that of the exposure.
+    const auto after = arm_.robot().pose();
+    if (!after) return arm_.failed(after.error(), "reading where the camera on the arm is");
+    const auto moved = before->inverse() * *after;
+    frame->T_base_flange = *after * settings_.T_flange_tool.inverse();
+    if (moved.translation_m().norm() < kStandsM && Eigen::AngleAxisd(moved.rotation()).angle() < kStandsRad)
+      return frame;
+  }
+  return fault("ARM_MOVES", "the arm does not stand still while its camera takes a picture",
+               "let the job wait at its look position with B012 = 1; then press Reset");
 }
 
 Or<void> Cell::settle() {
@@ -130,7 +171,7 @@ Or<frames::Frame> Cell::take_picture() {
 Or<void> Cell::look() {
   if (auto clear = wait_until_clear(); !clear) return clear;
   const auto grab_start = std::chrono::steady_clock::now();
-  auto frame = take_picture();
+  auto frame = picture_with_pose();
   if (!frame) return tl::unexpected(frame.error());
   const double grab_ms = ms_since(grab_start);
   show_step("searching");

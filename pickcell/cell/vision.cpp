@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "pickcell/core/units.hpp"
+#include "pickcell/poses/moving_view.hpp"
 
 namespace pickcell::cell {
 
@@ -23,18 +24,30 @@ Vision::Vision(std::unique_ptr<matches::Engine> engine, std::vector<matches::Mod
     searched_.push_back(&model);
     locators_.emplace_back(model);
   }
-  view_.lens = settings_.camera.lens;
-  view_.T_base_camera = settings_.plane.T_base_camera;
-  view_.T_base_plane = settings_.plane.T_base_plane;
-  view_.sigma_position_m = core::m_from_mm(settings_.plane.rms_mm);
+  fixed_view_.lens = settings_.camera.lens;
+  fixed_view_.T_base_camera = settings_.plane.T_base_camera;
+  fixed_view_.T_base_plane = settings_.plane.T_base_plane;
+  fixed_view_.sigma_position_m = core::m_from_mm(settings_.plane.rms_mm);
 }
 
-void Vision::judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame, const core::Status& fits) const {
+core::Result<poses::View> Vision::view_of(const frames::Frame& frame) const {
+  const poses::CalibrationUse use{frame.picture->width(), frame.picture->height(), frame.camera_id,
+                                  settings_.max_age_days, frame.exposed_unix_us};
+  const auto& handeye = settings_.handeye;
+  auto fits = handeye ? poses::check_fits(settings_.camera, *handeye, use)
+                      : poses::check_fits(settings_.camera, settings_.plane, use);
+  if (!fits) return core::forward(fits);
+  if (!handeye) return fixed_view_;
+  return poses::view_at_exposure(settings_.camera, *handeye, settings_.plane.T_base_plane, frame.T_base_flange);
+}
+
+void Vision::judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame,
+                       const core::Result<poses::View>& view) const {
   const auto index = static_cast<std::size_t>(seen.match.model_index);
   seen.rejection = judge(seen.match, models_[index]);
-  if (!fits) seen.rejection = Rejection{"calibration", fits.error().line()};
+  if (!view) seen.rejection = Rejection{"calibration", view.error().line()};
   if (seen.rejection) return;
-  auto pose = locators_[index].locate(seen.match, view_);
+  auto pose = locators_[index].locate(seen.match, *view);
   if (!pose) {
     seen.rejection = Rejection{"not_on_plane", pose.error().line()};
     return;
@@ -59,12 +72,10 @@ core::Result<Sight> Vision::look(const frames::Frame& frame, std::uint64_t first
   if (!found) return core::forward(found);
   sight.match_ms = ms_since(start);
 
-  const core::Status fits = poses::check_fits(settings_.camera, settings_.plane,
-                                              {frame.picture->width(), frame.picture->height(), frame.camera_id,
-                                               settings_.max_age_days, frame.exposed_unix_us});
+  const auto view = view_of(frame);
   for (matches::Match& match : found->matches) {
     sight.seen.push_back({first_id++, std::move(match), {}});
-    judge_one(sight, sight.seen.back(), frame, fits);
+    judge_one(sight, sight.seen.back(), frame, view);
   }
   for (matches::Rejected& rejected : found->rejected) {
     if (rejected.reason != matches::RejectReason::score || rejected.stage != matches::Stage::final) continue;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,8 @@ class Vision {
     double max_age_days = 365;
     int threads = 0;  ///< of the matcher; 0: all
     int max_matches = 60;
+    /// With it: plane holds the work plane only (T_base_plane), and the camera's place follows from this at exposure.
+    std::optional<poses::HandeyeCalibration> handeye{};
   };
 
   /// models: in the order of the recipe; PartPose::model_index counts them. Their height_m is what the parts really
@@ -54,16 +57,20 @@ class Vision {
 
   [[nodiscard]] const std::vector<matches::Model>& models() const { return models_; }
   [[nodiscard]] std::string engine_name() const { return engine_->name(); }
+  /// The camera is on the arm: frames must carry the arm's pose at their exposure.
+  [[nodiscard]] bool rides_on_arm() const { return settings_.handeye && settings_.handeye->T_flange_camera; }
 
  private:
-  void judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame, const core::Status& fits) const;
+  [[nodiscard]] core::Result<poses::View> view_of(const frames::Frame& frame) const;
+  void judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame,
+                 const core::Result<poses::View>& view) const;
 
   std::unique_ptr<matches::Engine> engine_;
   std::vector<matches::Model> models_;
   std::vector<const matches::Model*> searched_;
   std::vector<poses::Locator> locators_;
   Settings settings_;
-  poses::View view_;
+  poses::View fixed_view_;  ///< without a hand-eye calibration
   image::Pyramid pyramid_;
 };
 

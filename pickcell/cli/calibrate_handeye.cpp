@@ -1,6 +1,7 @@
 /// pickcell calibrate handeye: camera and arm, from pictures and arm poses.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <ostream>
@@ -23,7 +24,7 @@ namespace {
 struct Options {
   std::string camera, poses, images, board, tool, out, report;
   bool eye_in_hand = false, eye_to_hand = false;
-  bool json = false;
+  bool keep_lens = false, json = false;
 };
 
 core::Result<Eigen::Isometry3d> parse_tool(const std::string& text) {
@@ -51,18 +52,22 @@ core::Result<fs::path> picture_of(const std::string& image, const Options& optio
 struct Prepared {
   poses::HandeyeInput input;
   std::vector<poses::LeftOut> left_out;
-  std::string camera_checksum;
+  poses::CameraCalibration camera;
 };
 
+std::string size_misfit(const BoardPicture& p, const poses::Lens& lens) {
+  if (p.width_px == lens.width_px && p.height_px == lens.height_px) return {};
+  return "is " + std::to_string(p.width_px) + "x" + std::to_string(p.height_px) +
+         " pixels, the camera calibration is for " + std::to_string(lens.width_px) + "x" +
+         std::to_string(lens.height_px);
+}
+
+/// At least one picture must have the lens's size; others are left out one by one.
 core::Status sizes_fit(const std::vector<BoardPicture>& pictures, const poses::Lens& lens) {
   for (const BoardPicture& p : pictures)
-    if (p.width_px != lens.width_px || p.height_px != lens.height_px)
-      return failure(ErrorCode::unreadable, p.name,
-                     "is " + std::to_string(p.width_px) + "x" + std::to_string(p.height_px) +
-                         " pixels, the camera calibration is for " + std::to_string(lens.width_px) + "x" +
-                         std::to_string(lens.height_px),
-                     "use pictures of the calibrated size, or calibrate the camera again");
-  return {};
+    if (p.width_px == lens.width_px && p.height_px == lens.height_px) return {};
+  return failure(ErrorCode::unreadable, pictures.front().name, size_misfit(pictures.front(), lens),
+                 "use pictures of the calibrated size, or calibrate the camera again");
 }
 
 core::Result<Prepared> prepare(const Options& options, Io& io) {
@@ -80,7 +85,8 @@ core::Result<Prepared> prepare(const Options& options, Io& io) {
   auto camera = poses::load_camera(options.camera);
   if (!camera) return core::forward(camera);
   out.input.lens = camera->lens;
-  out.camera_checksum = camera->checksum;
+  out.input.keep_lens = options.keep_lens;
+  out.camera = *camera;
   auto arm = poses::load_poses(options.poses);
   if (!arm) return core::forward(arm);
   std::vector<fs::path> paths;
@@ -94,12 +100,15 @@ core::Result<Prepared> prepare(const Options& options, Io& io) {
   if (auto fit = sizes_fit(*pictures, camera->lens); !fit) return core::forward(fit);
   for (std::size_t i = 0; i < pictures->size(); ++i) {
     BoardPicture& p = (*pictures)[i];
-    if (p.view)
+    if (const std::string misfit = size_misfit(p, camera->lens); !misfit.empty())
+      out.left_out.push_back({p.name, misfit});
+    else if (p.view)
       out.input.views.push_back({{p.name, *p.view}, (*arm)[i]});
     else
       out.left_out.push_back({p.name, p.view.error().why});
   }
-  if (out.input.views.empty()) return tl::unexpected(rejected(no_board(*pictures, *board), options.json, io.out));
+  const bool none = std::all_of(pictures->begin(), pictures->end(), [](const BoardPicture& p) { return !p.view; });
+  if (none) return tl::unexpected(rejected(no_board(*pictures, *board), options.json, io.out));
   return out;
 }
 
@@ -123,7 +132,22 @@ core::Json per_image_json(const poses::HandeyeFit& fit) {
   return out;
 }
 
-core::Json report_json(const poses::HandeyeFit& fit, std::size_t poses_given) {
+/// The camera file that goes with the result: the given one, or beside the result the lens it was made with instead.
+core::Result<fs::path> save_lens(const poses::HandeyeFit& fit, const Options& options,
+                                 poses::CameraCalibration& camera) {
+  if (!fit.own_lens) return fs::path(options.camera);
+  poses::CameraCalibration own = fit.own_lens->calibration;
+  own.camera_id = camera.camera_id;
+  own.date = today();
+  const fs::path out = options.out;
+  const fs::path path = out.parent_path() / (out.stem().string() + "-camera.toml");
+  auto saved = poses::save_camera(path, std::move(own));
+  if (!saved) return core::forward(saved);
+  camera = std::move(*saved);
+  return path;
+}
+
+core::Json report_json(const poses::HandeyeFit& fit, std::size_t poses_given, const fs::path& camera) {
   core::Json out = core::Json::object();
   out.set("method", fit.method).set("poses", poses_given).set("used", fit.views.size());
   out.set("left_out", left_out_json(fit.left_out)).set("rms_px", fit.rms_px);
@@ -134,16 +158,19 @@ core::Json report_json(const poses::HandeyeFit& fit, std::size_t poses_given) {
   if (fit.calibration.T_base_camera) out.set("T_base_camera", matrix_json(fit.calibration.T_base_camera->matrix()));
   out.set("by_method", by_method_json(fit)).set("per_image", per_image_json(fit));
   if (!fit.fault.empty()) out.set("fault", fit.fault);
+  out.set("lens", fit.own_lens ? "pictures" : "given").set("camera", camera.string());
   return out.set("verdict", name(fit.calibration.verdict)).set("why", fit.why);
 }
 
-void print_words(const poses::HandeyeFit& fit, const Options& options, std::size_t poses_given, Io& io) {
+void print_words(const poses::HandeyeFit& fit, const Options& options, std::size_t poses_given, const fs::path& camera,
+                 Io& io) {
   using poses::figure;
   io.out << options.out << ": " << name(fit.calibration.verdict) << ": " << fit.why << "\n";
   io.out << "  " << fit.views.size() << " of " << poses_given << " poses, " << fit.method << ": joint reprojection "
          << figure(fit.rms_px, 3) << " px, board's place within " << figure(fit.spread.mm, 2) << " mm and "
          << figure(fit.spread.deg, 3) << " deg, plane error " << figure(fit.plane_error_mm, 3) << " mm, held out "
          << figure(fit.holdout_mm, 3) << " mm\n";
+  if (fit.own_lens) io.out << "  goes with " << camera.string() << ", not with " << options.camera << "\n";
   for (const auto& [method, spread] : fit.by_method)
     io.out << "  " << method << " alone: " << figure(spread.mm, 2) << " mm, " << figure(spread.deg, 3) << " deg\n";
   for (const poses::HandeyeView& v : fit.views)
@@ -157,7 +184,10 @@ core::Result<int> run(const Options& options, Io& io) {
   auto fit = poses::calibrate_handeye(prepared->input);
   if (!fit) return tl::unexpected(rejected(std::move(fit.error()), options.json, io.out));
   fit->left_out.insert(fit->left_out.begin(), prepared->left_out.begin(), prepared->left_out.end());
-  fit->calibration.camera = prepared->camera_checksum;
+  auto camera = save_lens(*fit, options, prepared->camera);
+  if (!camera) return core::forward(camera);
+  fit->calibration.camera = prepared->camera.checksum;
+  fit->calibration.board = options.board;
   fit->calibration.date = today();
   if (auto saved = poses::save_handeye(options.out, fit->calibration); !saved) return core::forward(saved);
   if (!options.report.empty())
@@ -165,9 +195,9 @@ core::Result<int> run(const Options& options, Io& io) {
       return core::forward(written);
   const std::size_t given = prepared->input.views.size() + prepared->left_out.size();
   if (options.json)
-    io.out << report_json(*fit, given).dump() << "\n";
+    io.out << report_json(*fit, given, *camera).dump() << "\n";
   else
-    print_words(*fit, options, given, io);
+    print_words(*fit, options, given, *camera, io);
   return fit->calibration.verdict == poses::Verdict::reject ? 1 : 0;
 }
 
@@ -187,6 +217,7 @@ Runner add_calibrate_handeye(CLI::App& app) {
   app.add_flag("--eye-to-hand", options->eye_to_hand, "the camera stands still, the arm carries the board");
   app.add_option("--tool", options->tool, "the poses are the tool's: its place on the flange, mm and degrees")
       ->type_name("x,y,z,rx,ry,rz");
+  app.add_flag("--keep-lens", options->keep_lens, "use the given lens even where the pictures contradict it");
   app.add_option("-o,--out", options->out, "file to write")->required()->type_name("handeye.toml");
   app.add_option("--report", options->report, "a page with pictures, residuals and the verdict")
       ->type_name("FILE.html");

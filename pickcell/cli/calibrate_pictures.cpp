@@ -46,12 +46,13 @@ core::Result<std::vector<BoardPicture>> find_boards(const std::vector<std::files
 }
 
 core::Error no_board(const std::vector<BoardPicture>& pictures, const poses::Board& board) {
-  core::Error error = pictures.front().view.error();
-  if (const auto picture = image::load_grey(pictures.front().path); picture)
+  const BoardPicture& first =
+      *std::find_if(pictures.begin(), pictures.end(), [](const BoardPicture& p) { return !p.view; });
+  core::Error error = first.view.error();
+  if (const auto picture = image::load_grey(first.path); picture)
     if (const std::string seen = poses::what_else_is_seen(picture->view(), board); !seen.empty())
       error.why += "; " + seen;
-  error.what =
-      pictures.size() == 1 ? error.what : error.what + " (as in all " + std::to_string(pictures.size()) + " pictures)";
+  if (pictures.size() > 1) error.what += " (as in all " + std::to_string(pictures.size()) + " pictures)";
   return error;
 }
 

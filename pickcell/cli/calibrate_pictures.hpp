@@ -25,7 +25,7 @@ struct BoardPicture {
 [[nodiscard]] core::Result<std::vector<BoardPicture>> find_boards(const std::vector<std::filesystem::path>& paths,
                                                                   const poses::Board& board);
 
-/// Why no board was found in any of the pictures, as one error of kind negative: what is seen instead.
+/// Why no board was found in any of the pictures (at least one), as one error of kind negative: what is seen instead.
 [[nodiscard]] core::Error no_board(const std::vector<BoardPicture>& pictures, const poses::Board& board);
 
 /// `[{"image", "reason"}]`

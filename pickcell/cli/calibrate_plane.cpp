@@ -8,6 +8,7 @@
 #include "pickcell/cli/calibrate_pictures.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/units.hpp"
+#include "pickcell/poses/calibration_report.hpp"
 #include "pickcell/poses/plane_calibration.hpp"
 #include "pickcell/poses/verdicts.hpp"
 
@@ -19,7 +20,7 @@ using core::failure;
 namespace {
 
 struct Options {
-  std::string camera, board_image, board, touched, points, out;
+  std::string camera, board_image, board, touched, points, out, report;
   double height_mm = 0;
   bool json = false;
 };
@@ -94,6 +95,9 @@ core::Result<int> run(const Options& options, Io& io) {
   fit->calibration.camera = camera->checksum;
   fit->calibration.date = today();
   if (auto saved = poses::save_plane(options.out, fit->calibration); !saved) return core::forward(saved);
+  if (!options.report.empty())
+    if (auto written = poses::write_plane_report(options.report, options.board_image, camera->lens, *fit); !written)
+      return core::forward(written);
   if (options.json)
     io.out << report_json(*fit).dump() << "\n";
   else
@@ -114,6 +118,8 @@ Runner add_calibrate_plane(CLI::App& app) {
       ->type_name("POINTS.csv");
   app.add_option("--height-mm", options->height_mm, "of the touched or board surface above the work plane");
   app.add_option("-o,--out", options->out, "file to write")->required()->type_name("plane.toml");
+  app.add_option("--report", options->report, "a page with the points, their errors and the verdict")
+      ->type_name("FILE.html");
   app.add_flag("--json", options->json, "report as one line of JSON");
   return [options](Io& io) { return run(*options, io); };
 }

@@ -42,7 +42,7 @@ poses::BoardView projected(const HandeyeScene& scene, std::size_t i, double nois
   poses::BoardView view;
   view.width_px = scene.camera.width_px;
   view.height_px = scene.camera.height_px;
-  const auto points = poses::board_points_m(scene_board());
+  const auto points = poses::board_points_m(scene.board);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Vector3d p = (scene.T_camera_board(i) * core::Point<core::Board>{{points[k].x(), points[k].y(), 0}}).m;
     view.ids.push_back(static_cast<int>(k));
@@ -51,10 +51,32 @@ poses::BoardView projected(const HandeyeScene& scene, std::size_t i, double nois
   return view;
 }
 
+sim::BoardPattern pattern_of(const poses::Board& board) {
+  using Kind = sim::BoardPattern::Kind;
+  sim::BoardPattern out{.cols = board.point_cols(), .rows = board.point_rows(), .spacing_m = board.spacing_m};
+  switch (board.kind) {
+    case poses::BoardKind::chessboard:
+      break;
+    case poses::BoardKind::circles:
+      out.kind = Kind::dots;
+      break;
+    case poses::BoardKind::asymmetric_circles:
+      out.kind = Kind::staggered_dots;
+      break;
+    case poses::BoardKind::charuco:
+      out.kind = Kind::charuco;
+      out.marker_m = board.marker_m;
+      out.markers = *poses::marker_bits(board);
+      break;
+  }
+  out.dot_radius_m = 0.3 * board.spacing_m;
+  return out;
+}
+
 HandeyeInput empty_input(const HandeyeScene& scene) {
   HandeyeInput out;
   out.lens = lens_of(scene.camera);
-  out.board = scene_board();
+  out.board = scene.board;
   return out;
 }
 
@@ -75,8 +97,8 @@ void one_axis_only(HandeyeInput& input) {
   }
 }
 
-void scatter(HandeyeInput& input, double mm, double deg) {
-  sim::Random random(77);
+void scatter(HandeyeInput& input, double mm, double deg, std::uint64_t seed) {
+  sim::Random random(seed + 77);
   for (ArmView& v : input.views) {
     v.arm.position_m += 1e-3 * mm * Vector3d(random.normal(), random.normal(), random.normal());
     if (deg > 0) turn_pose(v.arm, deg * random.normal());
@@ -97,13 +119,43 @@ void invert(HandeyeInput& input) {
   for (ArmView& v : input.views) v.arm = as_euler(v.arm.pose().inverse(Eigen::Isometry), v.arm.image);
 }
 
+/// One of the poses, by the seed.
+poses::ArmPose& any(HandeyeInput& input, std::uint64_t seed) { return input.views[seed % input.views.size()].arm; }
+
+/// The names of the pictures stay.
+void swap_poses(poses::ArmPose& a, poses::ArmPose& b) {
+  std::swap(a, b);
+  std::swap(a.image, b.image);
+}
+
+void scale_angles(HandeyeInput& input, double factor) {
+  for (ArmView& v : input.views) v.arm.angles_deg *= factor;
+}
+
+/// What a controller writes whose angles are those of R = Rx * Ry * Rz.
+void as_fixed_xyz(HandeyeInput& input) {
+  for (ArmView& v : input.views) {
+    const Eigen::Matrix3d R = v.arm.pose().linear();
+    v.arm.angles_deg = Vector3d(std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(1, 2), R(2, 2))),
+                                std::atan2(-R(0, 1), R(0, 0))) *
+                       core::deg_from_rad(1);
+  }
+}
+
+/// w stands under the title qx, and so on.
+void scalar_first(HandeyeInput& input) {
+  for (ArmView& v : input.views) {
+    const Eigen::Quaterniond q(v.arm.pose().linear());
+    v.arm.euler = false;
+    v.arm.quaternion = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());  // the last one is taken for w
+  }
+}
+
 }  // namespace
 
 core::Transform<core::Camera, core::Board> HandeyeScene::T_camera_board(std::size_t i) const {
   return (T_base_flange[i] * T_flange_camera).inverse() * T_base_board;
 }
-
-poses::Board scene_board() { return *poses::parse_board("chessboard:9x6:25mm"); }
 
 poses::Lens lens_of(const sim::Intrinsics& camera) {
   poses::Lens out{camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, {}};
@@ -111,8 +163,10 @@ poses::Lens lens_of(const sim::Intrinsics& camera) {
   return out;
 }
 
-HandeyeScene handeye_scene(std::uint64_t seed, int stations) {
+HandeyeScene handeye_scene(std::uint64_t seed, int stations, const std::string& board) {
   HandeyeScene out;
+  out.board = *poses::parse_board(board);
+  out.pattern = pattern_of(out.board);
   out.camera = {.width_px = 800,
                 .height_px = 600,
                 .fx_px = 1012.4,
@@ -126,7 +180,8 @@ HandeyeScene handeye_scene(std::uint64_t seed, int stations) {
       {0.03, -0.06, 0.045}};
   const Eigen::Matrix3d face_up = Vector3d(1, -1, -1).asDiagonal();
   out.T_base_board = {core::rotation_z(0.3) * face_up, {0.55, 0.1, 0.02}};
-  const Vector3d centre = (out.T_base_board * core::Point<core::Board>{{0.1, 0.0625, 0}}).m;
+  const Eigen::Vector2d half = 0.5 * poses::board_points_m(out.board).back();
+  const Vector3d centre = (out.T_base_board * core::Point<core::Board>{{half.x(), half.y(), 0}}).m;
   for (int i = 0; i < stations; ++i) {
     const double around = 2 * core::kPi * (i + random.unit()) / stations, tilt = random.uniform(0.15, 0.6);
     const double far = random.uniform(0.46, 0.58);
@@ -154,7 +209,8 @@ HandeyeInput with_pictures(const HandeyeScene& scene, std::uint64_t seed) {
   HandeyeInput out = empty_input(scene);
   for (std::size_t i = 0; i < scene.T_base_flange.size(); ++i) {
     const std::string image = std::to_string(i) + ".png";
-    const image::Image picture = sim::board_picture(scene.camera, {}, scene.T_camera_board(i), {.seed = seed + i});
+    const image::Image picture =
+        sim::board_picture(scene.camera, scene.pattern, scene.T_camera_board(i), {.seed = seed + i});
     if (auto view = poses::detect_board(picture.view(), out.board, image))
       out.views.push_back({{image, *view}, as_euler(scene.T_base_flange[i].iso(), image)});
   }
@@ -168,70 +224,71 @@ TransformError error_of(const Isometry3d& found, const Isometry3d& truth) {
 }
 
 std::vector<PoseFault> pose_faults() {
+  using In = HandeyeInput;
+  using Seed = std::uint64_t;
   return {
-      {"every pose off by 2 mm", {"pose error", "position"}, [](HandeyeInput& in) { scatter(in, 2, 0); }},
-      {"every pose off by 1 deg", {"pose error", "rotation"}, [](HandeyeInput& in) { scatter(in, 0, 1); }},
-      {"one pose off by 5 mm", {"mm and"}, [](HandeyeInput& in) { in.views[3].arm.position_m.x() += 0.005; }},
+      {"every pose off by 2 mm", {"pose error"}, [](In& in, Seed seed) { scatter(in, 2, 0, seed); }},
+      {"every pose off by 1 deg", {"pose error"}, [](In& in, Seed seed) { scatter(in, 0, 1, seed); }},
+      {"one pose off by 5 mm", {"mm and"}, [](In& in, Seed seed) { any(in, seed).position_m.x() += 0.005; }},
+      {"one pose off by 1 deg", {"deg off"}, [](In& in, Seed seed) { turn_pose(any(in, seed), 1); }},
       {"two rows swapped",
        {"swapped"},
-       [](HandeyeInput& in) {
-         std::swap(in.views[2].arm.position_m, in.views[7].arm.position_m);
-         std::swap(in.views[2].arm.angles_deg, in.views[7].arm.angles_deg);
+       [](In& in, Seed seed) { swap_poses(any(in, seed), any(in, seed + in.views.size() / 2)); }},
+      {"rows shifted by one",
+       {"shifted by one"},
+       [](In& in, Seed) {
+         for (std::size_t i = 1; i < in.views.size(); ++i) swap_poses(in.views[i - 1].arm, in.views[i].arm);
        }},
-      {"degrees read as radians",
-       {"read as radians"},
-       [](HandeyeInput& in) {
-         for (ArmView& v : in.views) v.arm.angles_deg *= core::deg_from_rad(1);
-       }},
-      {"radians where degrees belong",
-       {"in radians"},
-       [](HandeyeInput& in) {
-         for (ArmView& v : in.views) v.arm.angles_deg *= core::rad_from_deg(1);
-       }},
+      {"degrees read as radians", {"read as radians"}, [](In& in, Seed) { scale_angles(in, core::deg_from_rad(1)); }},
+      {"radians where degrees belong", {"in radians"}, [](In& in, Seed) { scale_angles(in, core::rad_from_deg(1)); }},
       {"mm given as m",
        {"millimetres were given as metres"},
-       [](HandeyeInput& in) {
+       [](In& in, Seed) {
          for (ArmView& v : in.views) v.arm.position_m *= 1e3;
        }},
-      {"rotations about one axis only", {"one axis only"}, one_axis_only},
-      {"pictures mirrored", {"mirrored"}, mirror},
-      {"poses inverted", {"inverted"}, invert},
-      {"squares of 26 mm called 25 mm", {"squares are"}, [](HandeyeInput& in) { in.board.spacing_m *= 25.0 / 26.0; }},
+      {"rotations about one axis only", {"one axis only"}, [](In& in, Seed) { one_axis_only(in); }},
+      {"angles meant as Rx*Ry*Rz", {"order of the rotations"}, [](In& in, Seed) { as_fixed_xyz(in); }},
+      {"quaternions with w first", {"w, x, y, z"}, [](In& in, Seed) { scalar_first(in); }},
+      {"pictures mirrored", {"mirrored"}, [](In& in, Seed) { mirror(in); }},
+      {"poses inverted", {"inverted"}, [](In& in, Seed) { invert(in); }},
+      {"squares of 26 mm called 25 mm", {"squares are"}, [](In& in, Seed) { in.board.spacing_m *= 25.0 / 26.0; }},
   };
 }
 
-double plane_error_mm(double noise_px, std::uint64_t seed) {
+PlaneError plane_error(double noise_px, std::uint64_t seed) {
   sim::Random random(seed);
   const HandeyeScene scene = handeye_scene(seed, 1);
-  const auto T_base_camera = scene.T_base_flange[0] * scene.T_flange_camera;
-  std::vector<poses::TouchedPixel> points;
-  std::vector<std::pair<Eigen::Vector2d, Vector3d>> grid;
-  for (int row = 0; row < 4; ++row)
-    for (int col = 0; col < 5; ++col) {
-      const Vector3d p = (scene.T_base_board * core::Point<core::Board>{{0.03 + 0.035 * col, 0.02 + 0.028 * row, 0}}).m;
-      const Vector3d seen = (T_base_camera.inverse() * core::Point<core::Base>{p}).m;
-      const Eigen::Vector2d pixel = sim::project(scene.camera, seen);
-      grid.emplace_back(pixel, p);
-      points.push_back({pixel + noise_px * Eigen::Vector2d(random.normal(), random.normal()), p});
-    }
+  const auto points = poses::board_points_m(scene.board);
+  const auto in_base = [&](std::size_t i) {
+    return scene.T_base_board * core::Point<core::Board>{{points[i].x(), points[i].y(), 0}};
+  };
+  std::vector<poses::TouchedCorner> touched;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int cols = scene.board.point_cols(), id = static_cast<int>(i);
+    touched.push_back({id % cols, id / cols, in_base(i).m});
+  }
   const poses::Lens lens = lens_of(scene.camera);
-  const auto fit = poses::plane_from_points(lens, points, 0);
-  if (!fit) return 1e9;
+  const poses::BoardView noisy = projected(scene, 0, noise_px, random), exact = projected(scene, 0, 0, random);
+  const auto fit = poses::plane_from_touched_board(lens, scene.board, noisy, touched, 0);
+  if (!fit) return {1e9, 1e9};
   const auto& T = fit->calibration;
-  double worst = 0;
-  for (const auto& [pixel, truth] : grid) {
-    const auto ray = poses::undistort(lens, pixel);
-    if (!ray) return 1e9;
+  PlaneError out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto ray = poses::undistort(lens, exact.pixels[i]);
+    if (!ray) return {1e9, 1e9};
     const Vector3d n = T.T_base_plane.rotation().col(2), at = T.T_base_plane.translation_m();
     const Vector3d from = T.T_base_camera.translation_m();
     const Vector3d along = T.T_base_camera.rotation() * Vector3d(ray->x(), ray->y(), 1);
-    worst = std::max(worst, core::mm_from_m((from + along * (n.dot(at - from) / n.dot(along)) - truth).norm()));
+    const Vector3d hit = from + along * (n.dot(at - from) / n.dot(along));
+    const double mm = core::mm_from_m((hit - in_base(i).m).norm());
+    out.mean_mm += mm / static_cast<double>(points.size());
+    out.worst_mm = std::max(out.worst_mm, mm);
   }
-  return worst;
+  return out;
 }
 
 TransformError expected_error(const HandeyeScene& scene, double noise_px) {
-  const auto points = poses::board_points_m(scene_board());
+  const auto points = poses::board_points_m(scene.board);
   const auto pixels = [&](const Isometry3d& X, const Isometry3d& Y) {
     Eigen::VectorXd out(static_cast<Eigen::Index>(2 * points.size() * scene.T_base_flange.size()));
     Eigen::Index at = 0;

@@ -12,19 +12,22 @@
 
 namespace pickcell::cli {
 
-/// A camera on an arm that looks at a chessboard of 9x6 inner corners from all around.
+/// A camera on an arm that looks at a board from all around.
 struct HandeyeScene {
   sim::Intrinsics camera;
   core::Transform<core::Flange, core::Camera> T_flange_camera;
   core::Transform<core::Base, core::Board> T_base_board;
+  poses::Board board;
+  sim::BoardPattern pattern;
   std::vector<core::Transform<core::Base, core::Flange>> T_base_flange;
 
   [[nodiscard]] core::Transform<core::Camera, core::Board> T_camera_board(std::size_t i) const;
 };
 
-[[nodiscard]] HandeyeScene handeye_scene(std::uint64_t seed, int stations);
+/// board: of any kind, as `--board` names it, some 150 to 250 mm large.
+[[nodiscard]] HandeyeScene handeye_scene(std::uint64_t seed, int stations,
+                                         const std::string& board = "chessboard:9x6:25mm");
 [[nodiscard]] poses::Lens lens_of(const sim::Intrinsics& camera);
-[[nodiscard]] poses::Board scene_board();
 
 /// Corners by sim's projection with normal noise, and the arm's poses as a CSV of Euler angles would have them.
 [[nodiscard]] poses::HandeyeInput with_noisy_corners(const HandeyeScene& scene, double noise_px, std::uint64_t seed);
@@ -40,12 +43,16 @@ struct TransformError {
 struct PoseFault {
   std::string name;
   std::vector<std::string> words;  ///< one of them must stand in `why`
-  void (*apply)(poses::HandeyeInput& input);
+  void (*apply)(poses::HandeyeInput& input, std::uint64_t seed);
 };
 [[nodiscard]] std::vector<PoseFault> pose_faults();
 
-/// The largest error in mm over the plane of a calibration from touched points whose pixels carry noise.
-[[nodiscard]] double plane_error_mm(double noise_px, std::uint64_t seed);
+/// Of a plane calibrated from one picture of the board whose corners carry noise, and all corners touched exactly: the
+/// errors in mm at the corners.
+struct PlaneError {
+  double mean_mm = 0, worst_mm = 0;
+};
+[[nodiscard]] PlaneError plane_error(double noise_px, std::uint64_t seed);
 
 /// Standard deviations of X that the corner noise alone causes (Cramer-Rao bound, linearised at the truth).
 [[nodiscard]] TransformError expected_error(const HandeyeScene& scene, double noise_px);

@@ -7,6 +7,7 @@
 #include "pickcell/cli/calibrate.hpp"
 #include "pickcell/cli/calibrate_pictures.hpp"
 #include "pickcell/cli/cell_setup.hpp"
+#include "pickcell/poses/calibration_report.hpp"
 #include "pickcell/poses/verdicts.hpp"
 #include "pickcell/poses/verify.hpp"
 
@@ -18,7 +19,7 @@ using core::failure;
 namespace {
 
 struct Options {
-  std::string cell, image, board;
+  std::string cell, image, board, report;
   bool json = false;
 };
 
@@ -28,6 +29,10 @@ core::Result<poses::VerifyResult> verify_cell(const Options& options) {
   const auto& paths = file->cell.calibration;
   auto camera = poses::load_camera(paths.camera);
   if (!camera) return core::forward(camera);
+  if (paths.plane.empty())
+    return failure(ErrorCode::usage, options.cell,
+                   "has a hand-eye calibration, and a picture does not say where the arm stood",
+                   "let the cell verify by itself: verify_at_start in [calibration]");
   auto plane = poses::load_plane(paths.plane);
   if (!plane) return core::forward(plane);
   if (plane->camera != camera->checksum)
@@ -52,6 +57,9 @@ core::Result<poses::VerifyResult> verify_cell(const Options& options) {
 core::Result<int> run(const Options& options, Io& io) {
   auto result = verify_cell(options);
   if (!result) return tl::unexpected(rejected(std::move(result.error()), options.json, io.out));
+  if (!options.report.empty())
+    if (auto written = poses::write_verify_report(options.report, options.image, *result); !written)
+      return core::forward(written);
   if (options.json) {
     core::Json out = core::Json::object();
     out.set("drift_mm", result->drift_mm).set("drift_deg", result->drift_deg).set("rms_px", result->rms_px);
@@ -69,6 +77,8 @@ Runner add_calibrate_verify(CLI::App& app) {
   app.add_option("--cell", options->cell, "the cell whose calibration is checked")->required()->type_name("CELL.toml");
   app.add_option("IMAGE", options->image, "picture of the board in its reference place")->required();
   app.add_option("--board", options->board, "default: the board in plane.toml")->type_name("BOARD");
+  app.add_option("--report", options->report, "a page with the picture, the shifts and the verdict")
+      ->type_name("FILE.html");
   app.add_flag("--json", options->json, "report as one line of JSON");
   return [options](Io& io) { return run(*options, io); };
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pickcell/cli/cell_calibration.hpp"
 #include "pickcell/cli/cell_job.hpp"
 #include "pickcell/cli/paced_source.hpp"
 #include "pickcell/cli/robot_link.hpp"
@@ -81,21 +82,19 @@ core::Result<std::vector<matches::Model>> load_models(const cell::CellConfig& co
   return models;
 }
 
-core::Result<cell::Vision> make_vision(const cell::CellConfig& config, const frames::SourceInfo& source,
-                                       std::int64_t now_unix_us, const CellRunOptions& options) {
-  auto camera = poses::load_camera(config.calibration.camera);
-  if (!camera) return core::forward(camera);
-  auto plane = poses::load_plane(config.calibration.plane);
-  if (!plane) return core::forward(plane);
+core::Result<cell::Vision> make_vision(const cell::CellConfig& config, cell::Vision::Settings calibration,
+                                       const frames::SourceInfo& source, std::int64_t now_unix_us,
+                                       const CellRunOptions& options) {
   const poses::CalibrationUse use{source.width_px, source.height_px, source.camera_id, config.calibration.max_age_days,
                                   now_unix_us};
-  if (auto fits = poses::check_fits(*camera, *plane, use); !fits) return core::forward(fits);
+  auto fits = calibration.handeye ? poses::check_fits(calibration.camera, *calibration.handeye, use)
+                                  : poses::check_fits(calibration.camera, calibration.plane, use);
+  if (!fits) return core::forward(fits);
   auto models = load_models(config);
   if (!models) return core::forward(models);
   auto engine = matches::make_engine(options.engine, options.engine_settings);
   if (!engine) return core::forward(engine);
-  return cell::Vision(std::move(*engine), std::move(*models),
-                      {std::move(*camera), std::move(*plane), config.calibration.max_age_days});
+  return cell::Vision(std::move(*engine), std::move(*models), std::move(calibration));
 }
 
 sim::WorldSettings world_settings(const SimulationConfig& config) {
@@ -246,15 +245,24 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
 
   auto source = make_source(setup, file);
   if (!source) return core::forward(source);
-  auto vision = make_vision(file.cell, (*source)->info(), setup.clock->unix_us(), options);
+  auto calibration = load_calibration(file.cell.calibration);
+  if (!calibration) return core::forward(calibration);
+  auto check = camera_check(file.cell.calibration, *calibration);
+  if (!check) return core::forward(check);
+  auto vision = make_vision(file.cell, std::move(*calibration), (*source)->info(), setup.clock->unix_us(), options);
   if (!vision) return core::forward(vision);
   cell::CellSettings settings = cell::settings_from(file.cell, vision->models());
   settings.simulated = setup.plant != nullptr;
   settings.stop_after_picks = options.stop_after_picks;
   settings.start_at_once = options.stop_after_picks > 0;
+  settings.board_is_taken_away = file.cell.calibration.verify_at_start == cell::VerifyAtStart::board_is_taken_away;
+  settings.T_flange_tool = flange_tool(file.cell.calibration);
   if (settings.start_at_once && !settings.allow_motion)
     return failure(ErrorCode::usage, file.cell.file.string(), "motion is not allowed by this cell file",
                    "set allow_motion = true in [robot]");
+  if (settings.start_at_once && settings.board_is_taken_away)
+    return failure(ErrorCode::usage, file.cell.file.string(), "nobody is there to take the board away with --picks",
+                   "mount the board in the picture (verify_at_start = \"board_stays\"), or run with the page");
   if (auto robot = make_robot(setup, file); !robot) return core::forward(robot);
   auto log =
       cell::RunLog::create(file.cell.state_dir / "runs",
@@ -262,9 +270,10 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
                             file.cell.robot.link, vision->engine_name(), setup.clock->unix_us(), settings.simulated},
                            file.cell.record_frames);
   if (!log) return core::forward(log);
-  setup.cell = std::make_unique<cell::Cell>(cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot,
-                                                            std::move(*vision), std::move(*log), setup.journal.get()},
-                                            std::move(settings));
+  setup.cell = std::make_unique<cell::Cell>(
+      cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot, std::move(*vision), std::move(*log),
+                      setup.journal.get(), std::move(*check)},
+      std::move(settings));
   return setup;
 }
 

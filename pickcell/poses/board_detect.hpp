@@ -2,6 +2,7 @@
 /// Finds a calibration board in a picture: built with PICKCELL_WITH_CALIBRATION only.
 
 #include <string>
+#include <vector>
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/image/image.hpp"
@@ -20,5 +21,9 @@ namespace pickcell::poses {
 /// For a picture in which detect_board found nothing: what is there instead ("it shows a chessboard of 9x6 inner
 /// corners"), or "". Slow.
 [[nodiscard]] std::string what_else_is_seen(image::ImageView picture, const Board& board);
+
+/// What the markers of a ChArUco board look like, in the order of its white squares: each a square of '0' (black) and
+/// '1' without the black border. Errors: usage: no such dictionary, or one with too few markers.
+[[nodiscard]] core::Result<std::vector<std::string>> marker_bits(const Board& board);
 
 }  // namespace pickcell::poses

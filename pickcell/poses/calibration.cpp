@@ -18,6 +18,7 @@ using core::ErrorCode;
 using core::failure;
 
 constexpr double kRotationTolerance = 1e-4;
+constexpr double kClocksDifferDays = 2;  ///< time zones, and a date without a time
 
 Verdict read_verdict(Config& file) {
   const std::string text = file.string("verdict");
@@ -196,6 +197,7 @@ core::Result<HandeyeCalibration> load_handeye(const std::filesystem::path& path)
   if (out.T_flange_camera.has_value() == out.T_base_camera.has_value())
     file.problem("T_flange_camera", "or T_base_camera must be given, one of them");
   out.camera = file.string("camera");
+  out.board = file.string_or("board", "");
   out.spread_mm = file.number("spread_mm");
   out.plane_error_mm = file.number_or("plane_error_mm", out.spread_mm);
   out.verdict = read_verdict(file);
@@ -211,6 +213,7 @@ core::Status save_handeye(const std::filesystem::path& path, const HandeyeCalibr
   if (handeye.T_base_camera) write_matrix(out, "T_base_camera", handeye.T_base_camera->matrix());
   if (handeye.T_base_board) write_matrix(out, "T_base_board", handeye.T_base_board->matrix());
   if (handeye.T_flange_board) write_matrix(out, "T_flange_board", handeye.T_flange_board->matrix());
+  if (!handeye.board.empty()) out << "board = " << quoted(handeye.board) << "\n";
   out << "camera = " << quoted(handeye.camera) << "\nspread_mm = " << handeye.spread_mm
       << "\nplane_error_mm = " << handeye.plane_error_mm << "\nverdict = " << quoted(name(handeye.verdict))
       << "\ndate = " << quoted(handeye.date) << "\n";
@@ -247,6 +250,8 @@ core::Status made_with(const std::string& what, const std::string& checksum, con
 core::Status young_enough(const std::string& what, const std::string& date, const CalibrationUse& use) {
   const auto age = age_days(date, use.now_unix_us);
   if (!age) return refuse(what, "its date '" + date + "' is no date", "calibrate again");
+  if (*age < -kClocksDifferDays)
+    return refuse(what, "its date lies in the future (" + date + ")", "set the clock, or calibrate again");
   if (*age > use.max_age_days)
     return refuse(what, "older than " + std::to_string(static_cast<int>(use.max_age_days)) + " days (" + date + ")",
                   "verify or calibrate again");

@@ -49,6 +49,7 @@ struct HandeyeCalibration {
   std::optional<core::Transform<core::Base, core::Camera>> T_base_camera;
   std::optional<core::Transform<core::Base, core::Board>> T_base_board;      ///< with T_flange_camera
   std::optional<core::Transform<core::Flange, core::Board>> T_flange_board;  ///< with T_base_camera
+  std::string board;                                                         ///< BOARD it was made with; may be empty
   std::string camera;  ///< checksum of the camera.toml it was made with
   double spread_mm = 0;
   double plane_error_mm = 0;

@@ -42,13 +42,13 @@ void lens_table(ReportPage& page, const CameraFit& fit) {
 
 core::Status write_camera_report(const std::filesystem::path& path, const Board& board, const CameraFit& fit) {
   const CameraCalibration& c = fit.calibration;
-  ReportPage page("Camera calibration", c.verdict, fit.why);
+  ReportPage page("Camera calibration", name(c.verdict), fit.why);
   page.paragraph(board.text + "; " + std::to_string(fit.views.size()) + " pictures of " +
                  std::to_string(c.lens.width_px) + "x" + std::to_string(c.lens.height_px) + "; RMS " +
                  figure(c.rms_px, 3) + " px, on pictures held out " + figure(c.holdout_rms_px, 3) + " px; " +
                  figure(100 * fit.coverage, 0) + " % of the picture covered, normals within " +
                  figure(fit.tilt_range_deg, 0) + " degrees.");
-  for (const std::string& advice : fit.advice) page.paragraph("Add: " + advice + ".");
+  for (const std::string& advice : fit.advice) page.paragraph("Missing: " + advice + ".");
   lens_table(page, fit);
   std::vector<ReportView> views;
   Rows rows;
@@ -65,7 +65,7 @@ core::Status write_camera_report(const std::filesystem::path& path, const Board&
 }
 
 core::Status write_handeye_report(const std::filesystem::path& path, const Board& board, const HandeyeFit& fit) {
-  ReportPage page("Hand-eye calibration", fit.calibration.verdict, fit.why);
+  ReportPage page("Hand-eye calibration", name(fit.calibration.verdict), fit.why);
   page.paragraph(board.text + "; " + std::to_string(fit.views.size()) + " poses; joint reprojection " +
                  figure(fit.rms_px, 3) + " px; the board's place scatters by " + figure(fit.spread.mm, 2) + " mm and " +
                  figure(fit.spread.deg, 3) + " deg; error on the board's plane " + figure(fit.plane_error_mm, 3) +
@@ -85,6 +85,42 @@ core::Status write_handeye_report(const std::filesystem::path& path, const Board
   page.table({"picture", "points", "RMS, px", "picture alone, px", "on the plane, mm", "pose off, mm", "pose off, deg"},
              rows);
   left_out_table(page, fit.left_out);
+  page.coverage_map(views);
+  page.histogram(views);
+  page.pictures(views);
+  return page.write(path);
+}
+
+core::Status write_plane_report(const std::filesystem::path& path, const std::string& image, const Lens& lens,
+                                const PlaneFit& fit) {
+  ReportPage page("Work plane calibration", name(fit.calibration.verdict), fit.why);
+  page.paragraph(std::to_string(fit.error_mm.size()) + " points; RMS " + figure(fit.rms_mm, 3) + " mm, worst " +
+                 figure(fit.worst_mm, 3) + " mm" +
+                 (fit.loo_mm ? "; each predicted by the others: " + figure(*fit.loo_mm, 3) + " mm." : "."));
+  BoardView view;
+  view.width_px = lens.width_px;
+  view.height_px = lens.height_px;
+  view.pixels = fit.pixels;
+  Rows rows;
+  for (std::size_t i = 0; i < fit.error_mm.size(); ++i)
+    rows.push_back({std::to_string(i + 1), figure(fit.pixels[i].x(), 1), figure(fit.pixels[i].y(), 1),
+                    figure(fit.residual_px[i].norm(), 2), figure(fit.error_mm[i], 3)});
+  page.table({"point", "u, px", "v, px", "off, px", "off on the plane, mm"}, rows);
+  const std::vector<ReportView> views{{image.empty() ? "touched points" : image, &view, &fit.residual_px, {}}};
+  page.coverage_map(views);
+  page.histogram(views);
+  page.pictures(views);
+  return page.write(path);
+}
+
+core::Status write_verify_report(const std::filesystem::path& path, const std::string& image,
+                                 const VerifyResult& result) {
+  ReportPage page("Camera verification", name(result.verdict), result.why);
+  page.table({"measure", "now", "allowed"},
+             {{"drift on the plane, mm", figure(result.drift_mm, 3), figure(kDriftOkMm, 2)},
+              {"drift, deg", figure(result.drift_deg, 4), figure(kDriftOkDeg, 2)},
+              {"picture against the lens, px", figure(result.rms_px, 3), figure(kDriftPicturePx, 2)}});
+  const std::vector<ReportView> views{{image, &result.view, &result.residual_px, {}}};
   page.coverage_map(views);
   page.histogram(views);
   page.pictures(views);

@@ -25,7 +25,7 @@ class CalibrationFiles : public testing::Test {
     plane_.camera = camera_.checksum;
     plane_.verdict = Verdict::good;
     plane_.date = "2026-11-01T10:00:00Z";
-    use_ = {1280, 1024, "cam-1", 365, 1'793'000'000'000'000};  // 2026-10-26, before the files' date: age is negative
+    use_ = {1280, 1024, "cam-1", 365, 1'793'600'000'000'000};  // 2026-11-02, the day after the files' date
   }
   ~CalibrationFiles() override { std::filesystem::remove_all(folder_); }
 
@@ -65,6 +65,10 @@ TEST_F(CalibrationFiles, WhatDoesNotFitTheCellIsRefusedWithItsReason) {
             std::string::npos);
   EXPECT_NE(why([](auto&, auto& p, auto&) { p.board_frame_only = true; }).find("robot frame"), std::string::npos);
   EXPECT_NE(why([](auto&, auto&, auto& u) { u.now_unix_us += 400LL * 86400 * 1000000; }).find("365 days"),
+            std::string::npos);
+  EXPECT_NE(why([](auto&, auto&, auto& u) { u.now_unix_us -= 7LL * 86400 * 1000000; }).find("in the future"),
+            std::string::npos);
+  EXPECT_NE(why([](auto&, auto& p, auto&) { p.date = "2027-01-01T00:00:00Z"; }).find("in the future"),
             std::string::npos);
   EXPECT_NE(why([](auto& c, auto&, auto&) { c.date = "yesterday"; }).find("no date"), std::string::npos);
   EXPECT_EQ(why([](auto& c, auto&, auto&) { c.camera_id.clear(); }), "accepted");

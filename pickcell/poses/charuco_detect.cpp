@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "pickcell/poses/aruco_dictionary.hpp"
+#include "pickcell/poses/board_detect.hpp"
 #include "pickcell/poses/board_detect_parts.hpp"
 
 namespace pickcell::poses::detail {
@@ -38,6 +39,18 @@ CvPoints marker_corners(const Board& board, cv::Point square) {
   const float m = static_cast<float>(board.marker_m / board.spacing_m), inset = (1 - m) / 2;
   const float x = static_cast<float>(square.x) - 1 + inset, y = static_cast<float>(square.y) - 1 + inset;
   return {{x, y}, {x + m, y}, {x + m, y + m}, {x, y + m}};
+}
+
+core::Result<cv::Ptr<cv::aruco::Dictionary>> dictionary_of(const Board& board) {
+  const auto number = aruco_dictionary(board.dictionary);
+  if (!number)
+    return failure(ErrorCode::usage, board.text, "'" + board.dictionary + "' is no dictionary",
+                   "use an OpenCV name like 4X4_50, 5X5_100, 6X6_250, ARUCO_ORIGINAL, APRILTAG_36h11");
+  cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(*number);
+  if (dictionary->bytesList.rows < board.cols * board.rows / 2)
+    return failure(ErrorCode::usage, board.text, "the dictionary has fewer markers than the board",
+                   "look at the print again");
+  return dictionary;
 }
 
 Markers find_markers(const cv::Mat& grey, const cv::Ptr<cv::aruco::Dictionary>& dictionary) {
@@ -147,14 +160,9 @@ BoardView corners_of(const cv::Mat& grey, const Board& board, const Markers& mar
 }  // namespace
 
 core::Result<BoardView> detect_charuco(image::ImageView picture, const Board& board, const std::string& name) {
-  const auto number = aruco_dictionary(board.dictionary);
-  if (!number)
-    return failure(ErrorCode::usage, board.text, "'" + board.dictionary + "' is no dictionary",
-                   "use an OpenCV name like 4X4_50, 5X5_100, 6X6_250, ARUCO_ORIGINAL, APRILTAG_36h11");
-  const cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(*number);
-  if (dictionary->bytesList.rows < board.cols * board.rows / 2)
-    return failure(ErrorCode::usage, board.text, "the dictionary has fewer markers than the board",
-                   "look at the print again");
+  const auto known = dictionary_of(board);
+  if (!known) return tl::unexpected(known.error());
+  const cv::Ptr<cv::aruco::Dictionary>& dictionary = *known;
   const cv::Mat grey(picture.height(), picture.width(), CV_8U, const_cast<std::uint8_t*>(picture.row(0)),
                      static_cast<std::size_t>(picture.stride()));
   const Markers markers = find_markers(grey, dictionary);
@@ -177,3 +185,20 @@ core::Result<BoardView> detect_charuco(image::ImageView picture, const Board& bo
 }
 
 }  // namespace pickcell::poses::detail
+
+namespace pickcell::poses {
+
+core::Result<std::vector<std::string>> marker_bits(const Board& board) {
+  const auto dictionary = detail::dictionary_of(board);
+  if (!dictionary) return tl::unexpected(dictionary.error());
+  std::vector<std::string> out;
+  for (int id = 0; id < board.cols * board.rows / 2; ++id) {
+    const cv::Mat bits = cv::aruco::Dictionary::getBitsFromByteList((*dictionary)->bytesList.rowRange(id, id + 1),
+                                                                    (*dictionary)->markerSize);
+    out.emplace_back();
+    for (int i = 0; i < static_cast<int>(bits.total()); ++i) out.back() += bits.data[i] ? '1' : '0';
+  }
+  return out;
+}
+
+}  // namespace pickcell::poses

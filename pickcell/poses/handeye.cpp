@@ -8,7 +8,6 @@
 #include "pickcell/core/units.hpp"
 #include "pickcell/poses/board_pose.hpp"
 #include "pickcell/poses/handeye_problem.hpp"
-#include "pickcell/poses/lens_fit.hpp"
 #include "pickcell/poses/verdicts.hpp"
 
 namespace pickcell::poses {
@@ -245,12 +244,16 @@ void judge_fit(HandeyeFit& out, bool poses_left_out) {
   verdict.add(judge(out.picture_rms_px, kPicturePx), "the pictures alone fit the camera calibration only to " +
                                                          figure(out.picture_rms_px, 2) +
                                                          " px (lens, board size or picture size is wrong)");
-  if (poses_left_out)
-    verdict.add(Verdict::usable, std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image +
-                                     ": " + out.left_out.front().reason);
+  std::string left_out;
+  if (poses_left_out) {
+    left_out = std::to_string(out.left_out.size()) + " left out: " + out.left_out.front().image + ": " +
+               out.left_out.front().reason;
+    verdict.add(Verdict::usable, left_out);
+  }
   if (out.views.size() < 6) verdict.add(Verdict::usable, std::to_string(out.views.size()) + " pictures are few");
   out.calibration.verdict = verdict.verdict();
   out.why = verdict.why();
+  if (poses_left_out && out.why.find(" left out: ") == std::string::npos) out.why += "; " + left_out;
 }
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.
@@ -264,29 +267,9 @@ std::string scatter_of_poses(const HandeyeFit& out) {
          figure(*core::median(deg), 2) + " deg (median)";
 }
 
-/// Whether a lens from these very pictures would do far better, in words, or "".
-std::string better_lens(const Work& work, double rms_px) {
-  constexpr double kFarBetter = 0.7;
-  std::vector<NamedView> views;
-  for (std::size_t i = 0; i < work.stations.size(); ++i) views.push_back({work.image(i), work.stations[i].view});
-  const auto fit = fit_lens(work.input.board, views, LensModel::k1k2);
-  if (!fit) return {};
-  Stations stations = work.stations;
-  for (std::size_t i = 0; i < stations.size(); ++i) stations[i].T_camera_board = fit->views[i].T_camera_board.iso();
-  const auto solved = detail::solve(stations, detail::Solver::park);
-  if (!solved) return {};
-  const HandEye refined = detail::refine(fit->lens, work.board_m, stations, *solved);
-  double sum = 0;
-  for (const double r : detail::station_rms_px(fit->lens, work.board_m, stations, refined)) sum += r * r;
-  const double own_px = std::sqrt(sum / static_cast<double>(stations.size()));
-  if (!(own_px < kFarBetter * rms_px)) return {};
-  return "the lens in camera.toml does not fit: with one calibrated from these pictures the joint reprojection is " +
-         figure(own_px, 2) + " px";
-}
-
 }  // namespace
 
-core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
+core::Result<HandeyeFit> detail::fit_with_lens(const HandeyeInput& input) {
   auto started = begin(input);
   if (!started) return core::forward(started);
   Work& work = *started;
@@ -310,8 +293,6 @@ core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input) {
     else if (const std::string units = detail::suspicious_units(input.views); !units.empty())
       out.fault = units;
     judge_fit(out, out.left_out.size() > without_pose);
-    if (out.rms_px > kJointPx.good)
-      if (const std::string lens = better_lens(work, out.rms_px); !lens.empty()) out.why += "; " + lens;
     if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
       out.why += "; " + scatter_of_poses(out);
   }

@@ -7,6 +7,7 @@
 /// or its inverse, X for the wanted transform and Y for the place of the board: Y = M * X * T_camera_board.
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,7 @@ struct HandeyeInput {
   Mounting mounting = Mounting::eye_in_hand;
   Eigen::Isometry3d T_flange_tool = Eigen::Isometry3d::Identity();  ///< the poses are T_base_flange * T_flange_tool
   std::vector<ArmView> views;
+  bool keep_lens = false;  ///< use the given lens even where the pictures contradict it
 };
 
 /// Scatter of the board's place Y over the pictures, each by its own board pose: RMS distance from their mean.
@@ -61,12 +63,16 @@ struct HandeyeFit {
   Spread spread;
   double plane_error_mm = 0, holdout_mm = 0;
   double picture_rms_px = 0;  ///< median over the pictures of HandeyeView::picture_rms_px
-  std::string fault;          ///< the kind of fault that explains a bad result, "" when none is seen
-  std::string why;            ///< the verdict in a sentence
+  /// Set when the given lens does not fit the pictures: the lens that the fit was made with instead.
+  std::optional<CameraFit> own_lens;
+  std::string fault;  ///< the kind of fault that explains a bad result, "" when none is seen
+  std::string why;    ///< the verdict in a sentence
 };
 
 /// Checks the motions, runs five solvers, refines by reprojection over all pictures, leaves out poses that do not fit
-/// the others, looks for the kind of fault when the result is not good. Deterministic.
+/// the others, looks for the kind of fault when the result is not good. Where the given lens does not fit the pictures,
+/// one calibrated from the same pictures is used, if poses that took no part in the fit agree better with it; own_lens
+/// and why say so. Deterministic.
 /// Errors: negative: fewer than three pictures with a board, motions that cannot be solved (named).
 [[nodiscard]] core::Result<HandeyeFit> calibrate_handeye(const HandeyeInput& input);
 

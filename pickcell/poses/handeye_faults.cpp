@@ -25,7 +25,7 @@ struct Reading {
 Reading of_poses(std::string fault, std::function<bool(const HandeyeInput&)> applies,
                  std::function<Eigen::Isometry3d(const ArmPose&)> pose) {
   return {std::move(fault), [applies, pose](const HandeyeInput& input, Stations& stations) {
-            if (!applies(input)) return false;
+            if (!applies(input) || stations.size() != input.views.size()) return false;
             for (std::size_t i = 0; i < stations.size(); ++i)
               stations[i].move = move_of(input, pose(input.views[i].arm));
             return true;
@@ -68,11 +68,22 @@ Eigen::Isometry3d angles_backwards(const ArmPose& arm) {
   return with_rotation(arm, rotation_zyx({arm.angles_deg[2], arm.angles_deg[1], arm.angles_deg[0]}));
 }
 
-Eigen::Isometry3d rotation_vector(const ArmPose& arm) {
-  const double angle = core::rad_from_deg(arm.angles_deg.norm());
-  if (angle == 0) return with_rotation(arm, Eigen::Matrix3d::Identity());
-  return with_rotation(arm, Eigen::AngleAxisd(angle, arm.angles_deg.normalized()).toRotationMatrix());
+/// unit_rad: of the numbers that were read as degrees.
+std::function<Eigen::Isometry3d(const ArmPose&)> rotation_vector(double unit_rad) {
+  return [unit_rad](const ArmPose& arm) {
+    const double angle = unit_rad * arm.angles_deg.norm();
+    if (angle == 0) return with_rotation(arm, Eigen::Matrix3d::Identity());
+    return with_rotation(arm, Eigen::AngleAxisd(angle, arm.angles_deg.normalized()).toRotationMatrix());
+  };
 }
+
+/// O, A, T of some makers: R = Rz(O) * Ry(A) * Rz(T).
+Eigen::Isometry3d angles_zyz(const ArmPose& arm) {
+  const Eigen::Vector3d& a = arm.angles_deg;
+  return with_rotation(arm, rotation_zyx({0, 0, a[0]}) * rotation_zyx({0, a[1], 0}) * rotation_zyx({0, 0, a[2]}));
+}
+
+Eigen::Isometry3d rotation_inverted(const ArmPose& arm) { return with_rotation(arm, arm.pose().linear().transpose()); }
 
 Eigen::Isometry3d scalar_first(const ArmPose& arm) {
   const Eigen::Quaterniond& q = arm.quaternion;  // the file's order was w, x, y, z
@@ -110,6 +121,28 @@ std::function<bool(const HandeyeInput&, Stations&)> shifted(std::size_t by) {
   };
 }
 
+/// Poses and pictures were counted in two orders of the same names: as numbers (1, 2, 10) and as text (1, 10, 2).
+std::function<bool(const HandeyeInput&, Stations&)> sorted_otherwise(bool poses_as_numbers) {
+  return [poses_as_numbers](const HandeyeInput& input, Stations& stations) {
+    const std::size_t n = stations.size();
+    if (n != input.views.size()) return false;
+    std::vector<std::size_t> as_text(n);
+    for (std::size_t i = 0; i < n; ++i) as_text[i] = i;
+    std::vector<std::size_t> as_numbers = as_text;
+    const auto name = [&](std::size_t i) -> const std::string& { return input.views[i].arm.image; };
+    std::sort(as_text.begin(), as_text.end(), [&](std::size_t a, std::size_t b) { return name(a) < name(b); });
+    std::sort(as_numbers.begin(), as_numbers.end(), [&](std::size_t a, std::size_t b) {
+      return name(a).size() != name(b).size() ? name(a).size() < name(b).size() : name(a) < name(b);
+    });
+    const auto& from = poses_as_numbers ? as_text : as_numbers;
+    const auto& to = poses_as_numbers ? as_numbers : as_text;
+    Moves moves(n);
+    for (std::size_t k = 0; k < n; ++k) moves[to[k]] = stations[from[k]].move;
+    for (std::size_t i = 0; i < n; ++i) stations[i].move = moves[i];
+    return as_text != as_numbers;
+  };
+}
+
 bool reversed_rows(const HandeyeInput&, Stations& stations) {
   Moves moves;
   for (const Station& s : stations) moves.push_back(s.move);
@@ -135,11 +168,18 @@ std::vector<Reading> readings(std::size_t views) {
       of_poses("positions are in inches", always, with_position(25.4)),
       of_poses("the order of the rotations is Rx*Ry*Rz instead of Rz*Ry*Rx", euler, rotations_reversed),
       of_poses("the columns rx and rz are swapped", euler, angles_backwards),
-      of_poses("the angles are a rotation vector, not rx, ry, rz", euler, rotation_vector),
+      of_poses("the angles are a rotation vector, not rx, ry, rz", euler, rotation_vector(core::rad_from_deg(1))),
+      of_poses("the angles are a rotation vector in radians, not rx, ry, rz in degrees", euler, rotation_vector(1)),
+      of_poses("the angles are those of Rz*Ry*Rz instead of Rz*Ry*Rx", euler, angles_zyz),
+      of_poses("the rotations are inverted, the positions are not", always, rotation_inverted),
       of_poses("the quaternion's order is w, x, y, z instead of x, y, z, w", quaternion, scalar_first),
       {"the poses are inverted (T_flange_base), or the mounting is the other one (--eye-in-hand, --eye-to-hand)",
        invert_moves},
       {"the board or the pictures are mirrored", mirror_pictures},
+      {"rows are mixed up: the poses are in the order 1, 2, 10, the pictures in that of their names: 1, 10, 2",
+       sorted_otherwise(true)},
+      {"rows are mixed up: the poses are in the order of the names 1, 10, 2, the pictures in the order 1, 2, 10",
+       sorted_otherwise(false)},
       {"rows are reversed: the last pose belongs to the first picture", reversed_rows},
       {"rows are shifted by one: each pose belongs to the picture before", shifted(1)},
       {"rows are shifted by one: each pose belongs to the picture after", shifted(views - 1)},
@@ -151,7 +191,8 @@ std::vector<Reading> readings(std::size_t views) {
 std::vector<double> likely_scales() { return {0.5, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 2.0}; }
 
 double median_error_px(const HandeyeInput& input, const Board& board, Stations stations) {
-  const auto solved = solve_robustly(input.lens, board, stations);
+  constexpr int kSubsets = 12;  // another reading is right for all poses but a few, or for none
+  const auto solved = solve_robustly(input.lens, board, stations, kSubsets);
   if (!solved) return 1e9;
   return *core::median(station_rms_px(input.lens, board_points_m(board), stations, *solved));
 }

@@ -54,7 +54,8 @@ constexpr std::array<Solver, 5> kSolvers{Solver::park, Solver::horaud, Solver::t
 
 /// The best of random subsets by the median of the stations' errors, with the board numbered by its symmetries so that
 /// it fits; stands up to almost half of the poses being wrong. Changes T_camera_board and view of stations.
-[[nodiscard]] std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations);
+[[nodiscard]] std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations,
+                                                    int subsets = 60);
 
 /// Why these motions cannot be solved, or "": hardly any rotation, or rotations about one axis only.
 [[nodiscard]] std::string unsolvable(const Stations& stations);
@@ -70,6 +71,9 @@ struct Explanation {
 [[nodiscard]] std::optional<Explanation> explain(const HandeyeInput& input, const Stations& stations, double median_px);
 /// What the magnitudes of the poses alone say, or "".
 [[nodiscard]] std::string suspicious_units(const std::vector<ArmView>& views);
+
+/// The whole of calibrate_handeye with the lens as given.
+[[nodiscard]] core::Result<HandeyeFit> fit_with_lens(const HandeyeInput& input);
 
 /// M of a pose.
 [[nodiscard]] Eigen::Isometry3d move_of(const HandeyeInput& input, const Eigen::Isometry3d& pose);

@@ -13,7 +13,6 @@ namespace pickcell::poses::detail {
 
 namespace {
 
-constexpr int kSubsets = 60;
 constexpr std::size_t kSubsetSize = 5;
 
 /// What a symmetry does to a pose: the same board, numbered otherwise, is T_camera_board * T_board_turned.
@@ -95,13 +94,13 @@ bool number_by_result(Stations& stations, const HandEye& result, const std::vect
 }
 
 std::optional<HandEye> best_of_subsets(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
-                                       const Stations& stations) {
+                                       const Stations& stations, int subsets) {
   std::mt19937 random(1);  // NOLINT: the same result every time
   std::optional<HandEye> best;
   double best_median = std::numeric_limits<double>::max();
   std::vector<std::size_t> order(stations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  for (int round = 0; round <= kSubsets; ++round) {
+  for (int round = 0; round <= subsets; ++round) {
     Stations subset = stations;  // the first round takes all
     if (round > 0) {
       std::shuffle(order.begin(), order.end(), random);
@@ -136,14 +135,14 @@ HandEye refine_on_good_half(const Lens& lens, const std::vector<Eigen::Vector2d>
 
 }  // namespace
 
-std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations) {
+std::optional<HandEye> solve_robustly(const Lens& lens, const Board& board, Stations& stations, int subsets) {
   const auto board_m = board_points_m(board);
   const auto symmetries = board_symmetries(board);
   const auto turned = turned_frames(board, symmetries);
   if (symmetries.size() > 1) number_by_angles(stations, symmetries, turned);
   std::optional<HandEye> result;
   for (int round = 0; round < 4; ++round) {
-    result = best_of_subsets(lens, board_m, stations);
+    result = best_of_subsets(lens, board_m, stations, subsets);
     if (!result || symmetries.size() == 1 || !number_by_result(stations, *result, symmetries, turned)) break;
   }
   if (result) result = refine_on_good_half(lens, board_m, stations, *result);

@@ -25,4 +25,21 @@ core::Result<View> view_at_exposure(const CameraCalibration& camera, const Hande
   return view;
 }
 
+core::Result<core::Transform<core::Base, core::Plane>> work_plane(const HandeyeCalibration& handeye,
+                                                                  std::optional<double> plane_z_m) {
+  constexpr double kLevel = 0.9986;  // cosine of 3 degrees
+  const auto refuse = [](std::string why) {
+    return core::failure(core::ErrorCode::unreadable, "hand-eye calibration", std::move(why),
+                         "say in [calibration] plane_z_mm how high the work plane lies in the robot's frame");
+  };
+  if (plane_z_m)
+    return core::Transform<core::Base, core::Plane>(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, *plane_z_m));
+  if (!handeye.T_base_board) return refuse("it does not say where the work plane is");
+  // The board's z axis points into the board.
+  if (-handeye.T_base_board->rotation()(2, 2) < kLevel) return refuse("its board did not lie level on a work plane");
+  const Eigen::Matrix3d face_up = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  const core::Transform<core::Board, core::Plane> T_board_plane(face_up, Eigen::Vector3d::Zero());
+  return *handeye.T_base_board * T_board_plane;
+}
+
 }  // namespace pickcell::poses

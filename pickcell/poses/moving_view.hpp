@@ -18,4 +18,10 @@ namespace pickcell::poses {
     const core::Transform<core::Base, core::Plane>& T_base_plane,
     const std::optional<core::Transform<core::Base, core::Flange>>& T_base_flange);
 
+/// The work plane of a cell that has a hand-eye calibration: level at plane_z_m in the base frame where that is given,
+/// with x and y of the base frame; else where the board lay (camera on the arm). Errors: unreadable: nothing says where
+/// the plane is, or the board did not lie level.
+[[nodiscard]] core::Result<core::Transform<core::Base, core::Plane>> work_plane(const HandeyeCalibration& handeye,
+                                                                                std::optional<double> plane_z_m);
+
 }  // namespace pickcell::poses

@@ -43,6 +43,22 @@ TEST(MovingView, BesideTheArmNeedsNoPose) {
   EXPECT_NEAR(plane_point(*view, {400, 300}, 0)->x(), 0.5, 1e-12);
 }
 
+TEST(MovingView, TheWorkPlaneIsWhereTheBoardLayOrAsHighAsIsSaid) {
+  const Eigen::Matrix3d face_up = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  HandeyeCalibration handeye;
+  EXPECT_FALSE(work_plane(handeye, std::nullopt));
+  EXPECT_NEAR(work_plane(handeye, -0.01)->translation_m().z(), -0.01, 1e-15);
+  handeye.T_base_board = core::Transform<core::Base, core::Board>(core::rotation_z(0.4) * face_up, {0.5, 0.1, 0.02});
+  const auto plane = work_plane(handeye, std::nullopt);
+  ASSERT_TRUE(plane) << plane.error().line();
+  EXPECT_NEAR(plane->rotation()(2, 2), 1, 1e-12);
+  EXPECT_NEAR(plane->translation_m().z(), 0.02, 1e-15);
+  // A board held up before the camera says nothing about the table.
+  handeye.T_base_board = core::Transform<core::Base, core::Board>(
+      Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()).toRotationMatrix() * face_up, {0.5, 0.1, 0.02});
+  EXPECT_FALSE(work_plane(handeye, std::nullopt));
+}
+
 TEST(HandeyeFile, SurvivesSavingAndLoading) {
   const auto file = std::filesystem::path(testing::TempDir()) / "handeye_file_test.toml";
   HandeyeCalibration handeye;
@@ -62,7 +78,7 @@ TEST(HandeyeFile, SurvivesSavingAndLoading) {
   lens.verdict = Verdict::good;
   lens.date = handeye.date;
   lens.checksum = handeye.camera;
-  const CalibrationUse use{800, 600, "", 365, 1'793'000'000'000'000};
+  const CalibrationUse use{800, 600, "", 365, 1'793'600'000'000'000};
   EXPECT_TRUE(check_fits(lens, *back, use));
   lens.checksum = "crc32:00000000";
   EXPECT_FALSE(check_fits(lens, *back, use));

@@ -69,6 +69,12 @@ double cast_error_mm(const Lens& lens, const core::Transform<core::Base, core::C
   return core::mm_from_m((from + t * along - pair.touched_m).norm());
 }
 
+Eigen::Vector2d residual_px(const Lens& lens, const core::Transform<core::Base, core::Camera>& T_base_camera,
+                            const Pair& pair) {
+  const Eigen::Vector3d p = (T_base_camera.inverse() * core::Point<core::Base>{pair.touched_m}).m;
+  return pair.pixel - project(lens, {p.x() / p.z(), p.y() / p.z()});
+}
+
 double rms(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v * v;
@@ -79,7 +85,11 @@ double rms(const std::vector<double>& values) {
 template <class Refit>
 void measure(PlaneFit& out, const Lens& lens, const std::vector<Pair>& pairs, const Eigen::Vector3d& normal,
              Refit refit) {
-  for (const Pair& p : pairs) out.error_mm.push_back(cast_error_mm(lens, out.calibration.T_base_camera, normal, p));
+  for (const Pair& p : pairs) {
+    out.error_mm.push_back(cast_error_mm(lens, out.calibration.T_base_camera, normal, p));
+    out.pixels.push_back(p.pixel);
+    out.residual_px.push_back(residual_px(lens, out.calibration.T_base_camera, p));
+  }
   out.rms_mm = rms(out.error_mm);
   out.worst_mm = *std::max_element(out.error_mm.begin(), out.error_mm.end());
   if (pairs.size() < kLeaveOneOut) return;

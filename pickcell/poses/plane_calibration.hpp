@@ -14,8 +14,10 @@
 namespace pickcell::poses {
 
 struct PlaneFit {
-  PlaneCalibration calibration;  ///< without camera checksum and date
-  std::vector<double> error_mm;  ///< per point: the pixel cast onto the touched plane against the touched place
+  PlaneCalibration calibration;         ///< without camera checksum and date
+  std::vector<double> error_mm;         ///< per point: the pixel cast onto the touched plane against the touched place
+  std::vector<Eigen::Vector2d> pixels;  ///< of the same points
+  std::vector<Eigen::Vector2d> residual_px;  ///< seen minus where the result expects the touched place
   double rms_mm = 0, worst_mm = 0;
   std::optional<double> loo_mm;  ///< RMS over points that took no part in the fit; from five points
   double picture_rms_px = 0;     ///< of the board's pose in the picture, with a board

@@ -9,6 +9,7 @@
 #include "pickcell/core/statistics.hpp"
 #include "pickcell/image/codec.hpp"
 #include "pickcell/poses/verdicts.hpp"
+#include "pickcell/poses/view_coverage.hpp"
 
 namespace pickcell::poses {
 
@@ -20,7 +21,7 @@ constexpr const char* kStyle =
     "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:1000px;margin:2em auto;padding:0 1em;color:#222}"
     "table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:right}"
     "td:first-child,th:first-child{text-align:left}.verdict{padding:.6em 1em;border-radius:6px;color:#fff}"
-    ".excellent,.good{background:#2a7d3f}.usable{background:#b07a00}.reject{background:#b3261e}"
+    ".excellent,.good,.ok{background:#2a7d3f}.usable,.drifted{background:#8f6200}.reject{background:#b3261e}"
     "svg{display:block;max-width:100%;height:auto;margin:.5em 0 1.5em;background:#f4f4f4}</style>";
 
 std::string escaped(const std::string& text) {
@@ -81,9 +82,9 @@ std::vector<double> lengths(const std::vector<ReportView>& views) {
 
 }  // namespace
 
-ReportPage::ReportPage(const std::string& title, Verdict verdict, const std::string& why) {
+ReportPage::ReportPage(const std::string& title, const std::string& verdict, const std::string& why) {
   html_ = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" + escaped(title) + "</title>" + kStyle +
-          "<h1>" + escaped(title) + "</h1><p class=\"verdict " + name(verdict) + "\"><b>" + name(verdict) +
+          "<h1>" + escaped(title) + "</h1><p class=\"verdict " + escaped(verdict) + "\"><b>" + escaped(verdict) +
           "</b>: " + escaped(why) + "</p>\n";
 }
 
@@ -108,7 +109,10 @@ void ReportPage::coverage_map(const std::vector<ReportView>& views) {
   html_ += "<h2>Where the board was seen</h2><svg width=\"480\" " + view_box(first) + ">\n";
   for (std::size_t i = 0; i < views.size(); ++i) {
     const int hue = static_cast<int>(360 * i / views.size());
-    html_ += "<g fill=\"hsl(" + std::to_string(hue) + ",70%,45%)\" fill-opacity=\".7\">";
+    html_ += "<g fill=\"hsl(" + std::to_string(hue) +
+             ",70%,45%)\" fill-opacity=\".7\"><polygon fill-opacity=\".1\" points=\"";
+    for (const auto& p : outline(*views[i].view)) html_ += figure(p.x(), 0) + "," + figure(p.y(), 0) + " ";
+    html_ += "\"/>";
     for (const auto& p : views[i].view->pixels)
       html_ += "<circle cx=\"" + figure(p.x(), 1) + "\" cy=\"" + figure(p.y(), 1) + "\" r=\"" + radius + "\"/>";
     html_ += "</g>\n";
@@ -141,8 +145,17 @@ void ReportPage::pictures(const std::vector<ReportView>& views) {
   if (all.empty()) return;
   const double usual = std::max(1e-6, *core::quantile(all, 0.9));
   const double enlarged = std::max(1.0, std::round(views.front().view->width_px / 40.0 / usual));
-  html_ += "<h2>Pictures</h2><p>Circles: points as found. Lines: what is left of the fit, enlarged " +
-           figure(enlarged, 0) + " times.</p>\n";
+  html_ +=
+      "<h2>Pictures</h2><p>Circles: points as found. Arrows: from where the result expects a point to where it is "
+      "seen, "
+      "enlarged " +
+      figure(enlarged, 0) +
+      " times.</p>\n"
+      "<svg width=\"0\" height=\"0\" style=\"position:absolute\"><defs><marker id=\"tip\" viewBox=\"0 0 6 6\" "
+      "refX=\"5\" "
+      "refY=\"3\" markerWidth=\"5\" markerHeight=\"5\" orient=\"auto\"><path d=\"M0 0L6 3L0 6z\" "
+      "fill=\"#e5484d\"/></marker>"
+      "</defs></svg>\n";
   for (const ReportView& v : views) {
     const std::string source = preview(v.image);
     const std::string size =
@@ -157,9 +170,10 @@ void ReportPage::pictures(const std::vector<ReportView>& views) {
       const Eigen::Vector2d end = p + enlarged * (*v.residual_px)[i];
       html_ += "<circle cx=\"" + figure(p.x(), 1) + "\" cy=\"" + figure(p.y(), 1) + "\" r=\"" + figure(3 * stroke, 1) +
                "\"/>";
-      lines += "M" + figure(p.x(), 1) + " " + figure(p.y(), 1) + "L" + figure(end.x(), 1) + " " + figure(end.y(), 1);
+      lines += "<path d=\"M" + figure(p.x(), 1) + " " + figure(p.y(), 1) + "L" + figure(end.x(), 1) + " " +
+               figure(end.y(), 1) + "\"/>";
     }
-    html_ += "<path stroke=\"#e5484d\" d=\"" + lines + "\"/></g></svg>\n";
+    html_ += "<g stroke=\"#e5484d\" marker-end=\"url(#tip)\">" + lines + "</g></g></svg>\n";
   }
 }
 

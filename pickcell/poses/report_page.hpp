@@ -9,7 +9,6 @@
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/poses/board.hpp"
-#include "pickcell/poses/calibration.hpp"
 
 namespace pickcell::poses {
 
@@ -24,7 +23,8 @@ struct ReportView {
 /// Collects a page from top to bottom; everything given is escaped.
 class ReportPage {
  public:
-  ReportPage(const std::string& title, Verdict verdict, const std::string& why);
+  /// verdict: one of the words of a verdict or of verify; it chooses the colour.
+  ReportPage(const std::string& title, const std::string& verdict, const std::string& why);
   void paragraph(const std::string& text);
   /// Header row, then one row per view.
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);

@@ -14,9 +14,6 @@ namespace {
 using core::ErrorCode;
 using core::failure;
 
-constexpr double kOkMm = 0.5, kOkDeg = 0.1;
-constexpr double kPicturePx = 1.5;
-
 /// Where the camera of the reference would see the points on the board's plane.
 std::vector<Eigen::Vector2d> cast_m(const Lens& lens, const core::Transform<core::Camera, core::Board>& T_camera_board,
                                     const std::vector<Eigen::Vector2d>& pixels) {
@@ -85,13 +82,16 @@ core::Result<VerifyResult> verify(const Lens& lens, const PlaneCalibration& plan
     VerifyResult one;
     one.rms_px = pose->rms_px;
     compare(nominal, cast_m(lens, *plane.T_camera_board, turned.pixels), one);
-    if (one.drift_mm < best.drift_mm) best = one;
+    const auto expected = predicted_pixels(lens, board, turned.ids, *plane.T_camera_board);
+    for (std::size_t i = 0; i < expected.size(); ++i) one.residual_px.push_back(turned.pixels[i] - expected[i]);
+    one.view = turned;
+    if (one.drift_mm < best.drift_mm) best = std::move(one);
   }
   const std::string words = figure(best.drift_mm, 2) + " mm and " + figure(best.drift_deg, 3) + " deg at the plane";
-  if (!(best.rms_px <= kPicturePx)) {
+  if (!(best.rms_px <= kDriftPicturePx)) {
     best.verdict = Drift::reject;
     best.why = "the picture fits the lens only to " + figure(best.rms_px, 2) + " px: another lens, focus or board";
-  } else if (best.drift_mm <= kOkMm && best.drift_deg <= kOkDeg) {
+  } else if (best.drift_mm <= kDriftOkMm && best.drift_deg <= kDriftOkDeg) {
     best.verdict = Drift::ok;
     best.why = "the board is seen within " + words;
   } else {

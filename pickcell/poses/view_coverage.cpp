@@ -97,4 +97,8 @@ ViewCoverage view_coverage(const std::vector<CameraView>& views) {
   return out;
 }
 
+std::vector<Eigen::Vector2d> outline(const BoardView& view) {
+  return view.pixels.size() < 3 ? view.pixels : hull(view.pixels);
+}
+
 }  // namespace pickcell::poses

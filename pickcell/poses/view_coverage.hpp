@@ -18,4 +18,7 @@ struct ViewCoverage {
 /// views: not empty, with poses.
 [[nodiscard]] ViewCoverage view_coverage(const std::vector<CameraView>& views);
 
+/// The convex hull of a view's points, in order.
+[[nodiscard]] std::vector<Eigen::Vector2d> outline(const BoardView& view);
+
 }  // namespace pickcell::poses

@@ -81,6 +81,20 @@ TEST_F(CalibrationData, RctCircles) {
   EXPECT_EQ(got["verdict"].string(), "reject");
 }
 
+TEST_F(CalibrationData, RctCharucoWithTheLensThatCameWithIt) {
+  write_lens(1600, 1200, 1352.02747, 1356.14287, 789.67065, 627.2995);
+  const std::string set = (data_ / "rct/charuco").string();
+  const core::Json got = pickcell(
+      {"calibrate", "handeye", "--camera", (folder_ / "camera.toml").string(), "--poses", set + "/cal_data.yaml",
+       "--images", set, "--board", "charuco:5x7:36.195mm:18.256mm:6X6_250", "--eye-to-hand"},
+      "handeye.toml");
+  EXPECT_GE(*got["used"].integer(), 14);
+  EXPECT_LE(*got["rms_px"].number(), 1.5);
+  EXPECT_LE(*got["plane_error_mm"].number(), 0.63);
+  EXPECT_EQ(got["lens"].string(), "pictures");
+  EXPECT_TRUE(fs::exists(folder_ / "handeye-camera.toml"));
+}
+
 TEST_F(CalibrationData, RctCharucoWithItsOwnLens) {
   std::vector<std::string> args{"calibrate", "camera", "--board", "charuco:5x7:36.195mm:18.256mm:6X6_250"};
   for (const std::string& p : pictures("rct/charuco/images")) args.push_back(p);

@@ -11,7 +11,9 @@
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/core/statistics.hpp"
+#include "pickcell/image/codec.hpp"
 #include "pickcell/poses/calibration.hpp"
+#include "pickcell/sim/board_picture.hpp"
 
 namespace pickcell {
 namespace {
@@ -105,6 +107,108 @@ TEST_F(WalkingCell, RefusesARejectedCalibration) {
   ASSERT_TRUE(poses::save_plane(folder_ / "plane.toml", *plane));
   EXPECT_EQ(serve(1).code, 2);
 }
+
+class HandEyeCell : public WalkingCell {
+ protected:
+  /// The cell's calibration given as a hand-eye one; the camera's place is that of the simulation.
+  void calibrate(poses::HandeyeCalibration handeye) {
+    handeye.camera = poses::load_camera(folder_ / "camera.toml")->checksum;
+    handeye.plane_error_mm = handeye.spread_mm = 0.05;
+    handeye.verdict = poses::Verdict::good;
+    handeye.date = poses::load_plane(folder_ / "plane.toml")->date;
+    ASSERT_TRUE(poses::save_handeye(folder_ / "handeye.toml", handeye));
+    auto text = *core::read_text_file(folder_ / "CELL.toml");
+    const std::string old = "plane = \"plane.toml\"";
+    const double z_mm = 1e3 * poses::load_plane(folder_ / "plane.toml")->T_base_plane.translation_m().z();
+    text.replace(text.find(old), old.size(), "handeye = \"handeye.toml\"\nplane_z_mm = " + std::to_string(z_mm));
+    ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
+    std::filesystem::remove_all(folder_ / "state");
+  }
+  void expect_good_picks() {
+    const Said said = serve(3);
+    EXPECT_EQ(said.code, 0) << said.report.dump() << said.err;
+    EXPECT_EQ(said.report["placed"].integer(), 3);
+  }
+};
+
+TEST_F(HandEyeCell, PicksWithACameraBesideTheArm) {
+  poses::HandeyeCalibration handeye;
+  handeye.T_base_camera = poses::load_plane(folder_ / "plane.toml")->T_base_camera;
+  calibrate(handeye);
+  expect_good_picks();
+}
+
+TEST_F(HandEyeCell, PicksWithACameraOnTheArmByItsPoseAtExposure) {
+  // The job looks from its home position: a camera that rides on the arm sees from there what the fixed one sees.
+  const core::Transform<core::Base, core::Flange> T_base_home(Eigen::Vector3d(1, -1, -1).asDiagonal(), {0.3, 0, 0.25});
+  poses::HandeyeCalibration handeye;
+  handeye.T_flange_camera = T_base_home.inverse() * poses::load_plane(folder_ / "plane.toml")->T_base_camera;
+  calibrate(handeye);
+  expect_good_picks();
+  // A camera that is mounted elsewhere than calibrated is off by as much.
+  handeye.T_flange_camera = core::Transform<core::Flange, core::Camera>(
+      handeye.T_flange_camera->rotation(), handeye.T_flange_camera->translation_m() + Eigen::Vector3d(0.002, 0, 0));
+  poses::HandeyeCalibration moved = *poses::load_handeye(folder_ / "handeye.toml");
+  moved.T_flange_camera = handeye.T_flange_camera;
+  ASSERT_TRUE(poses::save_handeye(folder_ / "handeye.toml", moved));
+  std::filesystem::remove_all(folder_ / "state");
+  const Said said = serve(2);
+  EXPECT_EQ(said.code, 1);
+  EXPECT_NEAR(said.report["place_mm"]["median"].number().value_or(0), 2.0, 0.5);
+}
+
+#ifdef PICKCELL_WITH_CALIBRATION
+
+class VerifiedCell : public WalkingCell {
+ protected:
+  /// A camera that shows nothing but the board in its reference place, moved by so much since the calibration.
+  void look_at_board(double moved_m, const std::string& how) {
+    const auto T_base_plane = sim::default_world(1).T_base_plane;
+    const sim::CameraSettings camera = sim::default_camera(T_base_plane, 1);
+    const Eigen::Matrix3d face_up = Eigen::Vector3d(1, -1, -1).asDiagonal();
+    const core::Transform<core::Plane, core::Board> T_plane_board(face_up, {-0.12, 0.075, 0});
+    auto plane = *poses::load_plane(folder_ / "plane.toml");
+    plane.T_camera_board = camera.T_base_camera.inverse() * T_base_plane * T_plane_board;
+    plane.board = "chessboard:9x6:30mm";
+    ASSERT_TRUE(poses::save_plane(folder_ / "plane.toml", plane));
+    const core::Transform<core::Camera, core::Camera> bump(Eigen::Matrix3d::Identity(), {moved_m, 0, 0});
+    const image::Image picture =
+        sim::board_picture(camera.intrinsics, {.spacing_m = 0.03}, bump * *plane.T_camera_board, {});
+    std::filesystem::create_directories(folder_ / "shots");
+    ASSERT_TRUE(image::save_png(folder_ / "shots/board.png", picture.view()));
+    auto text = *core::read_text_file(folder_ / "CELL.toml");
+    const auto put = [&](const std::string& old, const std::string& now) {
+      text.replace(text.find(old), old.size(), now);
+    };
+    put("source = \"sim\"", "source = \"files:shots\"\nid = \"sim-camera\"\nloop = true");
+    put("plane = \"plane.toml\"", "plane = \"plane.toml\"\nverify_at_start = \"" + how + "\"");
+    ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
+  }
+};
+
+TEST_F(VerifiedCell, StandsUntilTheBoardIsTakenAway) {
+  look_at_board(0, "board_is_taken_away");
+  EXPECT_EQ(serve(1).code, 2) << "nobody is there to take it away";
+  set_up(0);
+  setup_.cell->open();
+  wait_ready();
+  ASSERT_TRUE(setup_.cell->start());
+  const auto stands = wait([](const cell::Snapshot& s) { return !s.reason.empty(); });
+  EXPECT_EQ(stands.mode, cell::Mode::idle) << stands.reason;
+  EXPECT_TRUE(stands.reason.starts_with("the camera is verified: the board is seen within 0.0")) << stands.reason;
+  EXPECT_EQ(stands.remedy, "take the board away and press Start");
+}
+
+TEST_F(VerifiedCell, DoesNotPickWithACameraThatWasBumped) {
+  look_at_board(0.003, "board_stays");
+  set_up(1);
+  setup_.cell->open();
+  const auto fault = wait_fault();
+  EXPECT_NE(fault.reason.find("moved by"), std::string::npos) << fault.reason;
+  EXPECT_EQ(fault.counters.submitted, 0);
+}
+
+#endif
 
 TEST_F(WalkingCell, EveryPickIsInTheRunFolder) {
   set_up(2);
