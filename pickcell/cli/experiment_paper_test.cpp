@@ -89,7 +89,7 @@ TEST_F(PaperExperiment, Table2WritesASetThatBenchReads) {
     EXPECT_TRUE(std::filesystem::exists(options_.out / file)) << file;
   const core::Json medium = figures["table2"]["erst"]["medium"];
   EXPECT_NEAR(*medium["stage_robust"]["ncc_count"].number(),
-            480 * 5 * *medium["stage_robust"]["population_mean"].number(), 1e-6);
+              480 * 5 * *medium["stage_robust"]["population_mean"].number(), 1e-6);
 }
 
 }  // namespace

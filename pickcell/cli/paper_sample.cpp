@@ -86,8 +86,8 @@ core::Result<SampleOutcome> pick_sample(const Sample& sample, const std::string&
   if (!shown || !shown->frame.picture) return result;
   auto model = matches::load_model(out / name / (std::string(sample.kind) + ".pcm"));
   if (!model) return core::forward(model);
-  auto searched = search_again(*shown->frame.picture, *model, engine, settings,
-                               out / ("table3_" + name + ".png"), result);
+  auto searched =
+      search_again(*shown->frame.picture, *model, engine, settings, out / ("table3_" + name + ".png"), result);
   if (!searched) return core::forward(searched);
   return result;
 }
