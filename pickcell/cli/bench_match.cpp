@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "pickcell/cli/bench_absent.hpp"
 #include "pickcell/cli/yardstick.hpp"
@@ -81,9 +80,11 @@ class Search {
     if (!found) return core::forward(found);
     out.image = index;
     for (const auto& stage : found->stages) out.ncc_count += stage.ncc_count;
+    out.stages = found->stages;
     score(image, model, *found, out);
     if (options_.explain && !image.has_instances && !out.loose) {
-      auto loss = explain_loss(image, view, model, how);
+      auto loss = explain_loss(engine_, pyramid_, model, image.truths.front(),
+                               set_.templates[image.template_index].symmetry_deg, how);
       if (!loss) return core::forward(loss);
       out.loss = std::move(*loss);
     }
@@ -118,30 +119,6 @@ class Search {
         out.score.correct && std::all_of(found.matches.begin(), found.matches.end(), [&](const auto& match) {
           return match.score >= model.learnt.suggested_min_score;
         });
-  }
-
-  /// Searches again, watching the true pose.
-  core::Result<Loss> explain_loss(const DatasetImage& image, image::ImageView view, const matches::Model& model,
-                                  SearchOptions how) {
-    const TruthPose& truth = image.truths.front();
-    how.explain = true;
-    how.watch = matches::Pose2d{truth.x_px, truth.y_px, truth.angle_deg, truth.scale};
-    auto found = find(view, model, how);
-    if (!found) return core::forward(found);
-    const double side_px = std::min(model.picture.width(), model.picture.height());
-    const double symmetry_deg = set_.templates[image.template_index].symmetry_deg;
-    const matches::Rejected* last = nullptr;
-    for (const matches::Rejected& r : found->rejected) {
-      PoseError error = pose_error(r.match.pose, truth, symmetry_deg);
-      if (r.stage == matches::Stage::circular) error.angle_deg = 0;  // has no angle yet
-      const bool further =
-          !last || r.stage > last->stage || (r.stage == last->stage && r.match.score > last->match.score);
-      if (is_loose(error, side_px) && further) last = &r;
-    }
-    if (!last) return Loss{"none", "no candidate near the true pose; something else was found or nothing"};
-    char score[32];
-    std::snprintf(score, sizeof score, ", score %.3f", last->match.score);
-    return Loss{matches::name(last->stage), matches::name(last->reason) + std::string(score)};
   }
 
   core::Status search_absent(std::size_t index, image::ImageView view, ImageOutcome& out) {

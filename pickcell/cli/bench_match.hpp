@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pickcell/cli/bench_dataset.hpp"
+#include "pickcell/cli/bench_loss.hpp"
 #include "pickcell/cli/bench_score.hpp"
 #include "pickcell/core/result.hpp"
 #include "pickcell/matches/engine.hpp"
@@ -26,12 +27,6 @@ struct BenchOptions {
   bool explain = false;  ///< say where a search lost what it did not find
 };
 
-/// Where a search turned the true pose down.
-struct Loss {
-  std::string stage;  ///< the furthest stage that a candidate near the true pose reached; "none": there was none
-  std::string why;    ///< reason and score
-};
-
 /// One picture, searched and scored.
 struct ImageOutcome {
   std::size_t image = 0;  ///< place in Dataset::images
@@ -41,7 +36,8 @@ struct ImageOutcome {
   bool correct_at_threshold = false;  ///< correct, and no score below the model's suggested threshold
   std::optional<double>
       ms;  ///< of the second run: thread CPU time with one thread, wall time with more; pyramid included
-  std::int64_t ncc_count = 0;
+  std::int64_t ncc_count = 0;                  ///< of all stages
+  std::vector<matches::StageReport> stages{};  ///< of the timed search
   std::optional<bool> false_accept;  ///< with BenchOptions::absent, where the set allows it: something was reported
 };
 

@@ -27,11 +27,8 @@ SimulationConfig read_simulation(core::Config table) {
   if (seed < 0) table.problem("seed", "must not be negative");
   out.seed = static_cast<std::uint64_t>(seed);
   out.kinds = table.strings_or("kinds", out.kinds);
-  for (const std::string& kind : out.kinds) {
-    bool known = false;
-    for (const sim::PartKind& k : sim::part_catalogue()) known = known || k.name == kind;
-    if (!known) table.problem("kinds", "names '" + kind + "', which no simulated part is called");
-  }
+  for (const std::string& kind : out.kinds)
+    if (!sim::is_part_kind(kind)) table.problem("kinds", "names '" + kind + "', which no simulated part is called");
   out.parts_per_pitch = static_cast<int>(table.integer_or("parts_per_pitch", out.parts_per_pitch));
   out.camera_width_px = static_cast<int>(table.integer_or("camera_width_px", out.camera_width_px));
   out.camera_height_px = static_cast<int>(table.integer_or("camera_height_px", out.camera_height_px));

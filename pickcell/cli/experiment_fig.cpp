@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "pickcell/cli/bench_loss.hpp"
 #include "pickcell/cli/bench_score.hpp"
 #include "pickcell/cli/experiment.hpp"
 #include "pickcell/cli/paper_pictures.hpp"
@@ -115,12 +116,34 @@ const SourcePicture& source_for(const std::vector<SourcePicture>& sources, std::
   return fitting.empty() ? sources[(category + other) % sources.size()] : *fitting[other % fitting.size()];
 }
 
+/// A line for each target that one of the paper's engines did not find: the stage that lost it.
+core::Result<std::string> lost_words(const char* name, const char* engine, const image::Image& picture,
+                                     const matches::Model& model, const matches::FindResult& found,
+                                     const std::vector<TruthPose>& poses, const image::Image& part) {
+  std::string out;
+  if (std::string_view(engine) == "best") return out;
+  auto made = matches::make_engine(engine, {});
+  if (!made) return core::forward(made);
+  image::Pyramid pyramid;
+  pyramid.build(picture.view());
+  for (const TruthPose& p : poses) {
+    if (is_found(found, p, part)) continue;
+    auto loss = explain_loss(**made, pyramid, model, p, 360, {});
+    if (!loss) return core::forward(loss);
+    out += "- " + std::string(name) + ", " + engine +
+           text(", target at %.0f, %.0f turned by %.1f degrees: ", p.x_px, p.y_px, p.angle_deg) + "lost at stage " +
+           loss->stage + " (" + loss->why + ")\n";
+  }
+  return out;
+}
+
 core::Result<int> run_fig8(const ExperimentOptions& options, Io& io) {
   auto sources = paper_sources(options.photos, options.seed);
   if (!sources) return core::forward(sources);
   std::string report =
       "| case | picture | template | targets | e-RST found, false | RST found, false | best found, false |\n"
       "|---|---|---|---|---|---|---|\n";
+  std::string lost;
   Json json = Json::array();
   const std::size_t cases = static_cast<std::size_t>(std::min(options.n.value_or(6), 6));
   for (std::size_t i = 0; i < cases; ++i) {
@@ -152,6 +175,10 @@ core::Result<int> run_fig8(const ExperimentOptions& options, Io& io) {
         wrong += std::none_of(poses.begin(), poses.end(),
                               [&](const TruthPose& p) { return is_loose(pose_error(m.pose, p), std::min(w, h)); });
       report += text(" | %.0f, %.0f", static_cast<double>(hits), static_cast<double>(wrong));
+      if (auto why = lost_words(c.name, engine, picture, *model, *found, poses, part); why)
+        lost += *why;
+      else
+        return core::forward(why);
       row.set(engine, Json::object().set("found", hits).set("false", wrong));
       const matches::Model* one[] = {&*model};
       const std::string file = std::string(c.file) + "_" + engine + ".png";
@@ -161,6 +188,7 @@ core::Result<int> run_fig8(const ExperimentOptions& options, Io& io) {
     report += " |\n";
     json.push(std::move(row));
   }
+  report += "\n" + (lost.empty() ? std::string("Nothing was lost by e-RST or RST.\n") : "Lost targets:\n\n" + lost);
   if (auto done = core::write_file_atomically(options.out / "fig8.md", report); !done) return core::forward(done);
   io.out << (options.json ? json.dump() + "\n" : report);
   return 0;

@@ -85,6 +85,36 @@ std::optional<std::string> node_text(const toml::node* node) {
   return out;
 }
 
+/// Where the string that opens at `at` ends, or the end of the text.
+std::size_t end_of_string(std::string_view t, std::size_t at) {
+  const char quote = t[at];
+  const std::string three(3, quote);
+  const bool multi_line = t.substr(at, 3) == three;
+  for (std::size_t i = at + (multi_line ? 3 : 1); i < t.size(); ++i) {
+    if (quote == '"' && t[i] == '\\')
+      ++i;
+    else if (multi_line && t.substr(i, 3) == three)
+      return i + 2;
+    else if (!multi_line && (t[i] == quote || t[i] == '\n'))
+      return i;
+  }
+  return t.size();
+}
+
+/// Place of the first byte beyond ASCII outside strings and comments, where TOML allows none; npos: there is none.
+/// toml++ looks such characters up in a table with holes, which is undefined behaviour.
+std::size_t stray_byte(std::string_view t) {
+  for (std::size_t i = t.starts_with("\xEF\xBB\xBF") ? 3 : 0; i < t.size(); ++i) {
+    if (t[i] == '#')
+      i = std::min(t.find('\n', i), t.size());
+    else if (t[i] == '"' || t[i] == '\'')
+      i = end_of_string(t, i);
+    else if (static_cast<unsigned char>(t[i]) >= 0x80)
+      return i;
+  }
+  return std::string_view::npos;
+}
+
 }  // namespace
 
 std::string nearest(std::string_view key, const std::vector<std::string>& candidates) {
@@ -106,6 +136,12 @@ Config::Config(std::shared_ptr<File> file, std::shared_ptr<Table> table)
 Result<Config> Config::parse(std::string_view text, std::string name) {
   auto file = std::make_shared<File>();
   file->name = std::move(name);
+  if (const std::size_t at = stray_byte(text); at != std::string_view::npos)
+    return failure(
+        ErrorCode::unreadable, file->name,
+        "line " + std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')) +
+            ": a character beyond ASCII outside of quotes",
+        "put it in quotes");
   try {
     file->root = toml::parse(text, file->name);
   } catch (const toml::parse_error& e) {

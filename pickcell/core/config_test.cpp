@@ -16,6 +16,23 @@ TEST(Config, ReadsTypedValuesAndAcceptsKnownKeys) {
   EXPECT_TRUE(config->finish());
 }
 
+TEST(Config, CharactersBeyondAsciiStandInQuotesAndComments) {
+  auto config = Config::parse(
+      "\xEF\xBB\xBF# \xC8\x80\na = \"\xC8\x80 \\\" \xC3\xA4\"\nb = '\xD0\x94'\nc = \"\"\"\n\xC3\xA4 \"x\" \"\"\"\nd = "
+      "1 # \xC3\xA4",
+      "t.toml");
+  ASSERT_TRUE(config) << config.error().line();
+  EXPECT_EQ(config->string("a"), "\xC8\x80 \" \xC3\xA4");
+  for (const char* bad : {"\xC8\x80", "x = 1\n\xC3\xA4 = 2", "a = 'x'\xC8\x80", "a = \xE2\x80\x80 1"}) {
+    const auto refused = Config::parse(bad, "t.toml");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().remedy, "put it in quotes");
+  }
+  EXPECT_EQ(Config::parse("x = 1\n\xC3\xA4 = 2", "t.toml").error().line(),
+            "t.toml: line 2: a character beyond ASCII outside of quotes; put it in quotes");
+  EXPECT_FALSE(Config::parse("a = \"\xC8\x80", "t.toml"));  // an open string
+}
+
 TEST(Config, UnknownKeyNamesTheNearestKnownOne) {
   auto config = Config::parse("exposure_su = 100\n", "t.toml");
   ASSERT_TRUE(config);

@@ -20,4 +20,9 @@ struct FitQuality {
 [[nodiscard]] FitQuality judge_fit(image::ImageView level, const GreyPoints& points, const LevelMap& map,
                                    WeightedSamples& scratch);
 
+/// The covariance of a fit at level 0 as that of the reported pose (x_px, y_px, angle_deg, scale): Match::covariance.
+/// ref_dx, ref_dy: the reference point less the template's anchor, pixels of the template.
+[[nodiscard]] Eigen::Matrix4d covariance_at_reference(const FitQuality& quality, const Similarity& place, double ref_dx,
+                                                      double ref_dy);
+
 }  // namespace pickcell::matches

@@ -1,14 +1,12 @@
 #include "pickcell/matches/rst_engine.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/rotated_rect.hpp"
-#include "pickcell/matches/rst_smooth.hpp"
 #include "pickcell/matches/similarity.hpp"
 
 namespace pickcell::matches {
@@ -16,7 +14,6 @@ namespace {
 
 constexpr int kMostMatches = 200;
 constexpr std::size_t kMostRejected = 100;
-constexpr double kAngleSlack_deg = 3;            // a result may lie this much outside the asked-for range
 constexpr std::size_t kCacheBytes = 256u << 20;  // of turned templates, all models together
 
 core::Status bad(const std::string& what, const std::string& why, const std::string& remedy = "") {
@@ -59,20 +56,12 @@ core::Status check_size(const image::Pyramid& scene, const RstModel& m) {
              "teach from a picture of the same resolution, or search smaller scales");
 }
 
-bool in_range(double angle_deg, Range range, double slack_deg) {
-  const double width = range.hi - range.lo + 2 * slack_deg;
-  if (width >= 360) return true;
-  double above = std::fmod(angle_deg - range.lo + slack_deg, 360.0);
-  if (above < 0) above += 360;
-  return above <= width;
-}
-
 /// The coarse angles from which step 4 reaches the range; empty: all.
 AllowedShifts allowed_shifts(Range range, int alpha_deg) {
   AllowedShifts out;
   const int lines = 360 / alpha_deg;
   for (int m = 0; m < lines; ++m)
-    if (in_range(m * alpha_deg, range, alpha_deg / 2.0)) out.push_back(m);
+    if (angle_in_range(m * alpha_deg, range, alpha_deg / 2.0)) out.push_back(m);
   if (static_cast<int>(out.size()) == lines) out.clear();
   return out;
 }
@@ -81,7 +70,7 @@ AllowedShifts allowed_shifts(Range range, int alpha_deg) {
 std::vector<bool> allowed_degrees(Range range) {
   std::vector<bool> out(360);
   for (int a = 0; a < 360; ++a)
-    out[static_cast<std::size_t>(a)] = in_range(a, {std::floor(range.lo), std::ceil(range.hi)}, 0);
+    out[static_cast<std::size_t>(a)] = angle_in_range(a, {std::floor(range.lo), std::ceil(range.hi)}, 0);
   return out;
 }
 
@@ -95,14 +84,14 @@ Eigen::Matrix4d grid_covariance(const RstModel& model) {
 
 class StageClock {
  public:
-  /// Milliseconds since it was last asked.
+  /// CPU time of this thread since it was last asked.
   double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
+    const double now = thread_cpu_ms();
+    return now - std::exchange(last_ms_, now);
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  double last_ms_ = thread_cpu_ms();
 };
 
 bool near_watched(const SearchOptions& options, const RstModel& model, const Pose2d& p) {
@@ -177,11 +166,10 @@ core::Status RstEngine::search(const image::Pyramid& scene, RstModel& model, int
   if (auto fits = check_size(scene, model); !fits) return fits;
   const Range angles = options.angle_deg.value_or(model.model->angle_deg);
   StageClock clock;
-  if (settings_.smooth > 0) smooth(scene.level(model.level), settings_.smooth, smoothed_, scratch_);
   const RstTask task{model,
                      settings_,
                      variant_,
-                     settings_.smooth > 0 ? smoothed_.view() : scene.level(model.level),
+                     coarse_.make(scene, model.level, settings_),
                      options,
                      allowed_shifts(angles, settings_.angle_step_deg),
                      allowed_degrees(angles),

@@ -1,7 +1,7 @@
 #pragma once
 /// The paper's matcher as two engines. Le, Li, Guo, Lien, "Embedded-Based Object Matching and Robot Arm Control", after
 /// Kim & de Araujo, "Grayscale Template-Matching Invariant to Rotation, Scale, Translation, Brightness and Contrast"
-/// (PSIVT 2007). docs/matching.md says how it is read where the paper is silent.
+/// (PSIVT 2007). docs/experiments.md says how it is read where the paper is silent.
 ///   rst_model    training: scales, circles, radial lines, turned templates
 ///   rst_filters  step 1 circles, step 2 radial lines, step 3 the template, at pyramid level NP
 ///   rst_robust   step 4 at full resolution; then overlapping finds are merged
@@ -18,6 +18,7 @@
 #include "pickcell/matches/rst_model.hpp"
 #include "pickcell/matches/rst_refine.hpp"
 #include "pickcell/matches/rst_robust.hpp"
+#include "pickcell/matches/rst_smooth.hpp"
 #include "pickcell/matches/work.hpp"
 
 namespace pickcell::matches {
@@ -57,7 +58,7 @@ class RstEngine final : public Engine {
   WorkBudget::CpuClock cpu_ms_;
   std::map<const Model*, std::vector<std::unique_ptr<RstModel>>> models_;  ///< one per scale range
   RstRefine refine_;
-  image::Image smoothed_, scratch_;
+  CoarsePicture coarse_;
 };
 
 }  // namespace pickcell::matches

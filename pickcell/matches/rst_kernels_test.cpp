@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include <hwy/highway.h>
+
+#include "pickcell/matches/rst_smooth.hpp"
 
 namespace pickcell::matches {
 namespace {
@@ -95,6 +98,32 @@ TEST(RstKernels, WindowSumsEqualThePlainFormOnEveryTarget) {
         on_every_target([&] { EXPECT_EQ(sum_window(picture.view(), window, x, y), expected) << x << " " << y; });
       }
     }
+}
+
+/// [1 3 3 1] / 8 in both directions by its definition; pixel x stands at 2x + 1/2, so that a ramp stays where it is.
+TEST(RstSmooth, BinomialHalvingEqualsThePlainFormAndKeepsARampInPlace) {
+  for (const auto& [w, h] : {std::pair{53, 40}, {16, 9}, {6, 5}, {2, 2}}) {
+    const image::Image picture = noise(w, h, 12);
+    image::Image out;
+    halve_binomially(picture.view(), out);
+    ASSERT_EQ(out.width(), w / 2);
+    ASSERT_EQ(out.height(), h / 2);
+    constexpr int kTaps[] = {1, 3, 3, 1};
+    for (int y = 0; y < h / 2; ++y)
+      for (int x = 0; x < w / 2; ++x) {
+        int sum = 32;
+        for (int j = 0; j < 4; ++j)
+          for (int i = 0; i < 4; ++i)
+            sum += kTaps[i] * kTaps[j] *
+                   picture.at(std::clamp(2 * x - 1 + i, 0, w - 1), std::clamp(2 * y - 1 + j, 0, h - 1));
+        ASSERT_EQ(out.at(x, y), sum / 64) << x << " " << y;
+      }
+  }
+  image::Image ramp(64, 8), half;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 64; ++x) ramp.at(x, y) = static_cast<std::uint8_t>(2 * x);
+  halve_binomially(ramp.view(), half);
+  for (int x = 1; x < 31; ++x) EXPECT_EQ(half.at(x, 2), 2 * (2 * x) + 1);
 }
 
 TEST(RstWindow, QuarterTurnsCopyThePixels) {

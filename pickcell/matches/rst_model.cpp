@@ -61,8 +61,9 @@ core::Status refuse(const Model& model, const std::string& why, const std::strin
 class Training {
  public:
   Training(RstModel& m, const RstSettings& settings) : m_(m), settings_(settings) {
-    image::Image scratch;
-    smooth(m.pyramid.levels[static_cast<std::size_t>(m.level)].grey.view(), settings.smooth, m.coarse_grey, scratch);
+    image::Pyramid boxes;
+    boxes.build(m.model->picture.view(), 4);
+    m.coarse_grey = image::Image(CoarsePicture().make(boxes, m.level, settings));
     t_ = m.coarse_grey.view();
     cx_ = middle(t_.width());
     cy_ = middle(t_.height());

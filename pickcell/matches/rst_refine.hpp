@@ -17,7 +17,8 @@ class RstRefine {
  public:
   void start(const image::Pyramid& pyramid) { scene_.start(pyramid); }
   void prepare(const RstModel& model);
-  /// Moves the pose and sets its score (NCC), visible share and covariance.
+  /// Moves the pose and sets its score (NCC), visible share and covariance. Where too little of the part agrees for a
+  /// fit, the covariance stays as it is (that of the grids).
   void run(const RstModel& model, Match& match);
 
  private:

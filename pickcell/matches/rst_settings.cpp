@@ -14,8 +14,17 @@ namespace {
 
 constexpr int kMostScales = 32;
 
+/// What was written, fit for one line of a terminal.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMost = 40;
+  std::string out(text.substr(0, kMost));
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  return text.size() > kMost ? out + "..." : out;
+}
+
 core::Status refuse(const std::string& key, const std::string& text, const std::string& remedy) {
-  return core::failure(core::ErrorCode::usage, "setting " + key, "\"" + text + "\" is not allowed", remedy);
+  return core::failure(core::ErrorCode::usage, "setting " + key, "\"" + shown(text) + "\" is not allowed", remedy);
 }
 
 std::optional<double> to_number(std::string_view text) {
@@ -99,6 +108,8 @@ const std::vector<Key>& keys() {
       whole("NP", 0, 5, &RstSettings::pyramid_level),
       whole("NS", 1, kMostScales, &RstSettings::scale_count),
       {"scales", "use up to 32 different numbers from 0.1 to 10, like 0.9,1,1.1", read_scales},
+      word<PyramidFilter>("pyramid", {{"box", PyramidFilter::box}, {"binomial", PyramidFilter::binomial}},
+                          &RstSettings::pyramid),
       whole("smooth", 0, 8, &RstSettings::smooth),
       whole("NC", 3, 64, &RstSettings::circles),
       {"alpha", "use a whole number of degrees that divides 360, from 1 to 90", read_alpha},
@@ -131,7 +142,8 @@ core::Status unknown(const std::string& key, std::string_view engine) {
     list += (list.empty() ? "" : ", ") + k.name;
   }
   const std::string near = core::nearest(key, names);
-  return core::failure(core::ErrorCode::usage, "setting " + key, "engine " + std::string(engine) + " does not know it",
+  return core::failure(core::ErrorCode::usage, "setting " + shown(key),
+                       "engine " + std::string(engine) + " does not know it",
                        (near.empty() ? "" : "did you mean " + near + "? ") + std::string("known: ") + list);
 }
 

@@ -15,14 +15,15 @@ enum class RstVariant { erst, rst };
 
 enum class RadialLength { largest, matched };       ///< lines of the largest scale, or of the candidate's
 enum class WindowMask { rect, disc };               ///< pixels of the template that steps 3 and 4 compare
+enum class PyramidFilter { box, binomial };         ///< 2 x 2 means, or [1 3 3 1] / 8 in both directions
 enum class LocationSearch { quadrant, symmetric };  ///< step 4 of rst: from the block's corner, or all around
 
 struct RstSettings {
-  std::optional<int> pyramid_level;           ///< NP; unset: by the template's size
-  std::optional<std::vector<double>> scales;  ///< unset: by the asked-for range
-  std::optional<int> scale_count;             ///< NS: so many in geometric progression over the range
-  int smooth =
-      1;  ///< passes of [1 2 1] / 4 over template and picture at level NP: the paper does not name its pyramid filter
+  std::optional<int> pyramid_level;                 ///< NP; unset: by the template's size
+  std::optional<std::vector<double>> scales;        ///< unset: by the asked-for range
+  std::optional<int> scale_count;                   ///< NS: so many in geometric progression over the range
+  PyramidFilter pyramid = PyramidFilter::binomial;  ///< the paper does not name it
+  int smooth = 0;            ///< more passes of [1 2 1] / 4 over template and picture at level NP
   int circles = 10;          ///< NC
   int angle_step_deg = 10;   ///< alpha, a divisor of 360
   double t1 = 0.84;          ///< circular filter
@@ -45,8 +46,8 @@ struct RstSettings {
 /// keys.
 [[nodiscard]] core::Result<RstSettings> parse_rst_settings(const Settings& settings, std::string_view engine);
 
-/// NP by the template's size: 1 for 40..100 px, 2 for 100..200, 3 above. The size of a template that is not square is
-/// the side of the square of its area: by its shorter side, 250 x 64 would be small and cost sixteen times as much.
+/// NP by the paper's size classes: 1 for small templates (40..100 px), 2 for medium ones (100..200), 3 above. The class
+/// of one that is not square is that of the square of its area, as data sets count it: 250 x 64 is medium.
 [[nodiscard]] int pyramid_level_for(int width, int height);
 
 /// Scales for a range: {lo} when it is a point; {0.9, 1, 1.1} for exactly that range; else 1 + ceil(ln(hi/lo)/ln 1.12)

@@ -220,4 +220,9 @@ void Selection::describe(const Entry& e, Match& m) {
   m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());
 }
 
+Eigen::Matrix4d covariance_at_reference(const FitQuality& quality, const Similarity& place, double ref_dx,
+                                        double ref_dy) {
+  return pose_covariance(quality.covariance, place, ref_dx, ref_dy);
+}
+
 }  // namespace pickcell::matches

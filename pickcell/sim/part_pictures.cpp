@@ -1,6 +1,9 @@
 #include "pickcell/sim/part_pictures.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -298,10 +301,49 @@ const std::vector<PartKind>& part_catalogue() {
   return kinds;
 }
 
-const PartKind& part_kind(std::string_view name) {
+namespace {
+
+const PartKind* in_catalogue(std::string_view name) {
   const auto& all = part_catalogue();
   const auto found = std::find_if(all.begin(), all.end(), [&](const PartKind& k) { return k.name == name; });
-  if (found != all.end()) return *found;
+  return found == all.end() ? nullptr : &*found;
+}
+
+struct Material {
+  std::string_view prefix;
+  Finish finish;
+  double albedo, brush_deg;
+};
+constexpr Material kMaterials[] = {{"wooden_", Finish::wood, 0.5, 15}, {"metal_", Finish::brushed, 0.62, 35}};
+
+/// The named part in another material; null when the name means none.
+const PartKind* in_material(std::string_view name) {
+  static std::mutex mutex;
+  static std::map<std::string, PartKind, std::less<>> made;
+  const std::lock_guard lock(mutex);
+  if (const auto found = made.find(name); found != made.end()) return &found->second;
+  for (const Material& material : kMaterials) {
+    if (!name.starts_with(material.prefix)) continue;
+    const PartKind* base = in_catalogue(name.substr(material.prefix.size()));
+    if (!base) return nullptr;
+    PartKind kind = *base;
+    kind.name = name;
+    kind.finish = material.finish;
+    kind.albedo = material.albedo;
+    kind.brush_deg = material.brush_deg;
+    return &made.emplace(std::string(name), std::move(kind)).first->second;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool is_part_kind(std::string_view name) { return in_catalogue(name) != nullptr || in_material(name) != nullptr; }
+
+const PartKind& part_kind(std::string_view name) {
+  const auto& all = part_catalogue();
+  if (const PartKind* kind = in_catalogue(name)) return *kind;
+  if (const PartKind* kind = in_material(name)) return *kind;
   std::string known;
   for (const PartKind& k : all) known += (known.empty() ? "" : ", ") + k.name;
   throw std::invalid_argument("no part kind called " + std::string(name) + "; there are " + known);

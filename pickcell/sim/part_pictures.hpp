@@ -10,7 +10,7 @@
 
 namespace pickcell::sim {
 
-enum class Finish { brushed, turned, matt, paper };
+enum class Finish { brushed, turned, matt, paper, wood };
 
 /// Something on the top face: print, engraving, or a step in the surface.
 struct Mark {
@@ -48,7 +48,10 @@ struct PartKind {
 /// Every kind there is, in a fixed order. Built once; thread-safe.
 [[nodiscard]] const std::vector<PartKind>& part_catalogue();
 
-/// Unknown names throw std::invalid_argument and name the known ones.
+/// A kind of the catalogue, or, as "wooden_" or "metal_" before its name, the same part in that material (not part of
+/// the catalogue). Unknown names throw std::invalid_argument and name the known ones. Thread-safe.
 [[nodiscard]] const PartKind& part_kind(std::string_view name);
+/// Whether part_kind() knows the name.
+[[nodiscard]] bool is_part_kind(std::string_view name);
 
 }  // namespace pickcell::sim

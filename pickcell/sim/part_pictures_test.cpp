@@ -55,6 +55,24 @@ TEST(Catalogue, HoldsDifferentPartsOfCredibleSize) {
   EXPECT_THROW((void)part_kind("spoon"), std::invalid_argument);
 }
 
+TEST(Catalogue, PartsComeInWoodAndMetalToo) {
+  const PartKind& plain = part_kind("lever_arm");
+  EXPECT_EQ(part_kind("wooden_lever_arm").finish, Finish::wood);
+  EXPECT_EQ(part_kind("metal_lever_arm").finish, Finish::brushed);
+  EXPECT_EQ(&part_kind("wooden_lever_arm"), &part_kind("wooden_lever_arm"));
+  for (const char* name : {"wooden_lever_arm", "metal_lever_arm"}) {
+    EXPECT_TRUE(is_part_kind(name));
+    EXPECT_EQ(part_kind(name).name, name);
+    EXPECT_EQ(part_kind(name).outline.bounds().size(), plain.outline.bounds().size());
+    EXPECT_EQ(part_kind(name).grasps.size(), plain.grasps.size());
+  }
+  for (const char* name : {"wooden_", "wooden_spoon", "golden_lever_arm", ""}) {
+    EXPECT_FALSE(is_part_kind(name)) << name;
+    EXPECT_THROW((void)part_kind(name), std::invalid_argument) << name;
+  }
+  for (const PartKind& kind : part_catalogue()) EXPECT_NE(kind.finish, Finish::wood);
+}
+
 TEST(PartTexture, CoversTheOutlinesArea) {
   for (const PartKind& kind : part_catalogue()) {
     const PartTexture& texture = part_texture(kind.name);

@@ -50,6 +50,8 @@ double gloss(Finish finish) {
       return 0.7;
     case Finish::paper:
       return 0.3;
+    case Finish::wood:
+      return 0.5;
   }
   return 0;
 }
@@ -107,6 +109,14 @@ double PartTexture::material(const Point2& p) const {
       return kind_.albedo * (1 + 2.2 * grain);
     case Finish::paper:
       return kind_.albedo * (1 + 0.5 * grain);
+    case Finish::wood: {
+      const double along = p.x() * std::cos(a) + p.y() * std::sin(a),
+                   across = p.y() * std::cos(a) - p.x() * std::sin(a);
+      const double ring = across * 0.22 + 1.5 * fractal_noise(along * 0.02, across * 0.07, 2, kind_.seed + 400);
+      const double late = 0.5 + 0.5 * std::sin(2 * core::kPi * ring);  // the dark, narrow part of a year
+      return kind_.albedo * (1.08 + grain - 0.32 * late * late * late +
+                             0.14 * fractal_noise(along * 0.12, across * 1.8, 3, kind_.seed + 500));
+    }
   }
   return kind_.albedo;
 }
