@@ -44,7 +44,7 @@ TEST(HsesClient, MatchesAnswersAndDropsTheRest) {
 
 TEST(HsesClient, ReadsAndWritesOfVariablesAreRepeated) {
   ScriptedController controller({says(kIdle), kSilence, kSilence, says({3}), kSilence, says({})});
-  HsesClient client(controller.settings(60));
+  HsesClient client(controller.settings(300));
   ASSERT_TRUE(client.connect());
   EXPECT_EQ(client.read_integer(VariableType::byte, 5).value(), 3);
   EXPECT_TRUE(client.write_integer(VariableType::double_integer, 10, 4));
@@ -62,7 +62,7 @@ TEST(HsesClient, WhatStartsMovesOrSwitchesIsSentOnce) {
       [](HsesClient& c) { return c.move({DirectMove::Kind::line, 5, false, {}}); }};
   for (const auto& order : orders) {
     ScriptedController controller({says(kIdle)});
-    HsesClient client(controller.settings(60));
+    HsesClient client(controller.settings(300));
     ASSERT_TRUE(client.connect());
     const auto lost = order(client);
     ASSERT_FALSE(lost);
@@ -77,7 +77,7 @@ TEST(HsesClient, WhatStartsMovesOrSwitchesIsSentOnce) {
 
 TEST(HsesClient, HoldOnIsRepeated) {
   ScriptedController controller({says(kIdle), kSilence, says({})});
-  HsesClient client(controller.settings(60));
+  HsesClient client(controller.settings(300));
   ASSERT_TRUE(client.connect());
   EXPECT_TRUE(client.hold(true));
 }
