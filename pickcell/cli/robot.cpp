@@ -58,7 +58,7 @@ core::Result<Answer> alarms(robot::ControllerLink& link, const Options& o) {
                                                       {Which::off_line, "off_line"}};
   for (const auto& [which, name] : kLists) {
     auto past = link.read_past_alarms(which, o.history);
-    if (!past && past.error().code != ErrorCode::refused) return core::forward(past);
+    if (!past && (!link.connected() || past.error().code == ErrorCode::usage)) return core::forward(past);
     out.words += std::string("past, ") + name + ":\n";
     if (past)
       add_alarms(out, std::string("past_") + name, *past);

@@ -39,15 +39,10 @@ void add_missing(RobotReport& report, std::string what, std::string remedy) {
   report.to_do.push_back(std::move(remedy));
 }
 
-/// Nothing to forward: the part is there, or was refused, or the protocol does not have it.
-bool told(const core::Error& error) {
-  return error.code == core::ErrorCode::refused || error.code == core::ErrorCode::usage;
-}
-
 core::Status find_missing(robot::ControllerLink& link, const std::string& job, RobotReport& report) {
   for (const robot::Hindrance& h : robot::hindrances(report.state)) add_missing(report, h.what, h.remedy);
   auto jobs = link.list_jobs();
-  if (!jobs && !told(jobs.error())) return core::forward(jobs);
+  if (!jobs && !link.connected()) return core::forward(jobs);
   if (!jobs && jobs.error().code == core::ErrorCode::usage) {
     add_missing(report, "picks need the job " + job + ", and " + jobs.error().why, jobs.error().remedy);
   } else if (!jobs) {
@@ -61,14 +56,14 @@ core::Status find_missing(robot::ControllerLink& link, const std::string& job, R
 
 core::Status read_poses(robot::ControllerLink& link, int frame, RobotReport& report) {
   auto base = link.read_position(robot::kBaseFrame);
-  if (!base && !told(base.error())) return core::forward(base);
+  if (!base && !link.connected()) return core::forward(base);
   if (base)
     report.in_base = *base;
   else
     add_missing(report, "the pose: " + base.error().why, base.error().remedy);
   if (frame == robot::kBaseFrame) return {};
   auto other = link.read_position(frame);
-  if (!other && !told(other.error())) return core::forward(other);
+  if (!other && !link.connected()) return core::forward(other);
   if (other)
     report.in_frame = *other;
   else
@@ -107,18 +102,21 @@ core::Result<RobotReport> read_report(robot::ControllerLink& link, int frame, co
   r.peer = link.peer();
   auto identity = link.identity();
   if (identity) r.identity = *identity;
-  if (!identity && identity.error().code != core::ErrorCode::refused) return core::forward(identity);
+  if (!identity && !link.connected()) return core::forward(identity);
   if (auto measured = measure(link, reads, r); !measured) return core::forward(measured);
   auto alarms = link.read_alarms();
-  if (!alarms) return core::forward(alarms);
-  r.alarms = *alarms;
+  if (!alarms && !link.connected()) return core::forward(alarms);
+  if (alarms)
+    r.alarms = *alarms;
+  else
+    add_missing(r, "the alarms: " + alarms.error().why, alarms.error().remedy);
   auto current = link.read_job();
   if (current) r.job = *current;
-  if (!current && !told(current.error())) return core::forward(current);  // refused: none is set
+  if (!current && !link.connected()) return core::forward(current);  // refused: none is set
   if (auto poses = read_poses(link, frame, r); !poses) return core::forward(poses);
   auto pulses = link.read_pulses();
   if (pulses) r.pulses = *pulses;
-  if (!pulses && !told(pulses.error())) return core::forward(pulses);
+  if (!pulses && !link.connected()) return core::forward(pulses);
   if (auto found = find_missing(link, job, r); !found) return core::forward(found);
   return r;
 }

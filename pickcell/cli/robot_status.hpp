@@ -23,7 +23,8 @@ struct RobotReport {
   std::vector<std::string> missing, to_do;  ///< what keeps picks from starting, and the remedy of each
 };
 
-/// Reads only; what the protocol does not have is left out. `frame`: besides the base frame; 0: none. `job`: that picks
+/// Reads only; what the protocol does not have, or this controller refuses, is left out and named: only a lost link is
+/// an error. `frame`: besides the base frame; 0: none. `job`: that picks
 /// need. `reads`: of the status, timed.
 [[nodiscard]] core::Result<RobotReport> read_report(robot::ControllerLink& link, int frame, const std::string& job,
                                                     int reads);

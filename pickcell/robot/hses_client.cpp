@@ -114,8 +114,9 @@ core::Result<CartesianPosition> HsesClient::read_position(int frame) {
   auto position = variable_position(*raw);
   if (!position) return core::forward(position);
   if (auto* cartesian = std::get_if<CartesianPosition>(&*position)) return *cartesian;
-  return core::failure(ErrorCode::link, peer() + " position", "pulses came instead of a position",
-                       "check that the address is a controller's High Speed Ethernet Server");
+  return core::failure(ErrorCode::refused, peer() + " position",
+                       "the controller tells pulses where a position was asked",
+                       "check that robot 1 of the controller has a cartesian position (instance 101)");
 }
 
 core::Result<std::vector<std::int32_t>> HsesClient::read_pulses() {

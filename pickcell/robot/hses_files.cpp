@@ -14,6 +14,8 @@ using Repeat = HsesSession::Repeat;
 namespace {
 
 constexpr std::uint32_t number(const HsesAnswer& answer) { return answer.block & ~kHsesLastBlock; }
+/// Marked as answers of robot control are: some servers do so in the file service too.
+constexpr bool only_packet(const HsesAnswer& answer) { return answer.block == kHsesLastBlock; }
 constexpr bool last(const HsesAnswer& answer) { return (answer.block & kHsesLastBlock) != 0; }
 
 }  // namespace
@@ -33,8 +35,7 @@ core::Result<std::string> HsesFiles::download(HsesService service, const std::st
   std::string data;
   for (std::uint32_t block = 1;; ++block) {
     if (!answer) return core::forward(answer);
-    const bool only_packet = block == 1 && answer->block == kHsesLastBlock;  // as answers of robot control are marked
-    if (number(*answer) != block && !only_packet)
+    if (number(*answer) != block && !(block == 1 && only_packet(*answer)))
       return broken_off("block " + std::to_string(number(*answer)) + " instead of " + std::to_string(block));
     data.append(answer->payload.begin(), answer->payload.end());
     if (data.size() > kMostBytes) return broken_off("more than 64 MB without an end");
@@ -68,7 +69,7 @@ core::Status HsesFiles::load(const std::string& name, const std::string& text) {
     answer = session_.ask(
         hses_file_block(HsesService::file_load, block | (end ? kHsesLastBlock : 0), HsesBytes(from, from + size)),
         Repeat::no, what);
-    if (answer && number(*answer) != block)
+    if (answer && number(*answer) != block && !only_packet(*answer))
       return core::failure(ErrorCode::link, session_.peer() + ' ' + what, "another block was confirmed", "try again");
     if (answer && end) return {};
   }
