@@ -151,9 +151,6 @@ class TableRobot final : public robot::Robot {
     open_.reset();
     return std::optional<Outcome>(out);
   }
-  [[nodiscard]] core::Result<Outcome> withdraw(core::Seat&) override {
-    return Outcome{OutcomeKind::not_started, sequence_, 0, ""};
-  }
   [[nodiscard]] core::Status hold(bool on) override {
     holds += on;
     state_.hold_command = on;

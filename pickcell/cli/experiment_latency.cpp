@@ -1,9 +1,10 @@
-/// pickcell experiment latency: from the end of exposure to the matcher's start.
+/// pickcell experiment latency: from the end of exposure to the matcher's start, from a pick to the arm's motion.
 
 #include <cstdio>
 #include <ostream>
 
 #include "pickcell/cli/experiment_latency_camera.hpp"
+#include "pickcell/cli/experiment_latency_robot.hpp"
 
 namespace pickcell::cli {
 
@@ -12,9 +13,12 @@ namespace {
 core::Result<int> run(const ExperimentOptions& options, Io& io) {
   auto camera = measure_camera_latency(options);
   if (!camera) return core::forward(camera);
+  auto robot = measure_robot_latencies(options);
+  if (!robot) return core::forward(robot);
   if (options.json) {
     core::Json out = core::Json::object();
     out.set("camera", *camera);
+    out.set("robot", *robot);
     io.out << out.dump() << "\n";
     return 0;
   }
@@ -26,12 +30,12 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
       "%.0f lost (picture in hand: median %.2f ms)\n",
       number("median_ms"), number("p99_ms"), number("worst_ms"), number("frames"), number("lost"),
       number("in_hand_median_ms"));
-  io.out << line;
+  io.out << line << robot_latency_words(*robot);
   return 0;
 }
 
-const ExperimentRegistration registered({"latency", "from the end of exposure to the matcher; --n frames (300)", false,
-                                         run});
+const ExperimentRegistration registered(
+    {"latency", "from exposure to matcher, from pick to motion; --n frames (300) and picks (50)", false, run});
 
 }  // namespace
 

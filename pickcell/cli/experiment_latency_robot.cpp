@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "pickcell/cell/journal.hpp"
+#include "pickcell/core/file.hpp"
 #include "pickcell/robot/job_robot.hpp"
+#include "pickcell/robot/vispick_job.hpp"
 #include "pickcell/sim/controller.hpp"
 #include "pickcell/sim/plant.hpp"
-#include "pickcell/sim/shipped_jobs.hpp"
 
 namespace pickcell::cli {
 
@@ -33,6 +36,14 @@ class Gripper final : public sim::Plant {
  private:
   std::atomic<bool> closed_ = false;
 };
+
+/// VISPICK as fast as it can be: what is measured ends when the arm begins to move.
+std::string quick_job() {
+  robot::VispickSettings settings;
+  settings.home_pct = settings.travel_pct = 100;
+  settings.travel_mm_s = settings.final_mm_s = 1500;
+  return robot::vispick_job(settings);
+}
 
 double ms_since(WallClock::time_point start) {
   return std::chrono::duration<double, std::milli>(WallClock::now() - start).count();
@@ -99,7 +110,7 @@ core::Result<RobotLatency> measure_robot_latency(RobotProtocol protocol, int pic
   core::RealClock clock;
   Gripper gripper;
   sim::ControllerSettings settings;
-  settings.jobs = sim::shipped_jobs();
+  settings.jobs = {quick_job()};
   auto controller = sim::Controller::switch_on(settings, clock, &gripper);
   if (!controller) return core::forward(controller);
   const bool hses = protocol == RobotProtocol::hses;
@@ -123,6 +134,48 @@ core::Result<RobotLatency> measure_robot_latency(RobotProtocol protocol, int pic
     if (auto done = pick(robot, **controller, *seat, n, n == 0 ? nullptr : &out); !done) return core::forward(done);
   std::sort(out.submit_ms.begin(), out.submit_ms.end());
   std::sort(out.to_motion_ms.begin(), out.to_motion_ms.end());
+  return out;
+}
+
+core::Result<core::Json> measure_robot_latencies(const ExperimentOptions& options) {
+  constexpr int kPicks = 50;
+  core::Json out = core::Json::object();
+  std::string csv = "protocol,submit_ms,to_motion_ms\n";
+  for (const auto& [protocol, name] : {std::pair{RobotProtocol::tcp80, "tcp80"}, {RobotProtocol::hses, "hses"}}) {
+    auto measured = measure_robot_latency(protocol, options.n.value_or(kPicks), options.out);
+    if (!measured) return core::forward(measured);
+    const auto& [_, submit, motion] = *measured;
+    out.set(name, core::Json::object()
+                      .set("picks", motion.size())
+                      .set("submit_median_ms", latency_at(submit, 0.5))
+                      .set("submit_p99_ms", latency_at(submit, 0.99))
+                      .set("median_ms", latency_at(motion, 0.5))
+                      .set("p99_ms", latency_at(motion, 0.99))
+                      .set("worst_ms", latency_at(motion, 1)));
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+      char line[64];
+      std::snprintf(line, sizeof line, "%s,%.3f,%.3f\n", name, submit[i], motion[i]);
+      csv += line;
+    }
+  }
+  if (auto written = core::write_file_atomically(options.out / "latency_robot.csv", csv); !written)
+    return core::forward(written);
+  return out;
+}
+
+std::string robot_latency_words(const core::Json& latencies) {
+  std::string out;
+  for (const char* name : {"tcp80", "hses"}) {
+    const core::Json& of = latencies[name];
+    const auto number = [&](const char* key) { return of[key].number().value_or(0); };
+    char line[200];
+    std::snprintf(line, sizeof line,
+                  "robot over %s, submission to motion: median %.1f ms, p99 %.1f ms, worst %.1f ms over %.0f picks; "
+                  "submitted after median %.1f ms, p99 %.1f ms\n",
+                  name, number("median_ms"), number("p99_ms"), number("worst_ms"), number("picks"),
+                  number("submit_median_ms"), number("submit_p99_ms"));
+    out += line;
+  }
   return out;
 }
 

@@ -25,14 +25,17 @@ class RobotCommand : public ::testing::TestWithParam<const char*> {
   void SetUp() override {
     sim::ControllerSettings settings;
     settings.jobs = sim::shipped_jobs();
+    settings.motoros_port = 0;
     auto on = sim::Controller::switch_on(settings, clock_, nullptr);
     ASSERT_TRUE(on) << on.error().line();
     controller_ = std::move(*on);
   }
   std::string link() const {
-    const bool hses = std::string(GetParam()) == "hses";
-    return std::string(GetParam()) +
-           "://127.0.0.1:" + std::to_string(hses ? controller_->hses_port() : controller_->tcp80_port());
+    const std::string protocol = GetParam();
+    const int port = protocol == "hses"      ? controller_->hses_port()
+                     : protocol == "motoros" ? controller_->motoros_port()
+                                             : controller_->tcp80_port();
+    return protocol + "://127.0.0.1:" + std::to_string(port) + (protocol == "motoros" ? "/gp7" : "");
   }
   int robot(std::vector<std::string> words) {
     words.insert(words.begin(), {"robot", link()});
@@ -87,6 +90,41 @@ TEST_P(RobotCommand, WhatIsWrittenIsRead) {
     EXPECT_EQ(robot({"write", bad}), 2) << bad;
   EXPECT_EQ(robot({"read", "B777"}), 3) << "the controller has none";
   EXPECT_EQ(robot({"write", "10=1"}), 3) << "an input of the machine is not writable";
+}
+
+TEST_P(RobotCommand, WhatIsRefusedDoesNotHideTheRest) {
+  EXPECT_EQ(robot({"read", "B010", "P099", "D010", "--json"}), 3);
+  EXPECT_EQ(out_, "{\"B010\":0,\"D010\":0}\n");
+  EXPECT_THAT(err_, HasSubstr("pickcell: P099: "));
+}
+
+TEST_P(RobotCommand, StringsCyclesMessagesAndTheJobToCome) {
+  ASSERT_EQ(robot({"write", "S005=PART LEFT"}), 0) << err_;
+  EXPECT_EQ(out_, "S005 = \"PART LEFT\"\n");
+  EXPECT_EQ(robot({"write", "S005=" + std::string(33, 'A')}), 2);
+  EXPECT_EQ(robot({"write", "S005=A\rB"}), 2);
+  ASSERT_EQ(robot({"cycle", "continuous"}), 0) << err_;
+  EXPECT_TRUE(state<bool>([](const sim::ControllerState& s) { return s.cycle == sim::CycleMode::continuous; }));
+  EXPECT_EQ(robot({"cycle", "twice"}), 2);
+  ASSERT_EQ(robot({"message", "Hello, you"}), 0) << err_;
+  EXPECT_EQ(robot({"message", std::string(31, 'A')}), 2);
+  ASSERT_EQ(robot({"job", "select", "TEST2"}), 0) << err_;
+  ASSERT_EQ(robot({"job", "master", "TEST1"}), 0) << err_;
+  EXPECT_EQ(state<std::string>([](const sim::ControllerState& s) { return s.master_job; }), "TEST1");
+  EXPECT_EQ(robot({"job", "select", "A\rB"}), 2);
+  EXPECT_EQ(robot({"servo", "on"}), 3);
+  ASSERT_EQ(robot({"servo", "on", "--allow-motion"}), 0) << err_;
+  EXPECT_TRUE(state<bool>([](const sim::ControllerState& s) { return s.servo; }));
+}
+
+TEST_P(RobotCommand, TheHistoryOfAlarms) {
+  controller_->with_state([](sim::ControllerState& s) {
+    s.raise_alarm({4107, 3, "OUT OF RANGE"});
+    s.reset_at_pendant();
+  });
+  const bool hses = std::string(GetParam()) == "hses";
+  ASSERT_EQ(robot({"alarms", "--history", "5", "--json"}), hses ? 0 : 2) << err_;
+  if (hses) EXPECT_THAT(out_, HasSubstr("4107"));
 }
 
 TEST_P(RobotCommand, NothingMovesWithoutPermission) {
@@ -185,6 +223,33 @@ TEST_P(RobotCommand, JobsAreListedAndTransferred) {
 
 INSTANTIATE_TEST_SUITE_P(Over, RobotCommand, ::testing::Values("tcp80", "hses"),
                          [](const auto& tested) { return std::string(tested.param); });
+
+/// Over MotoROS there are neither variables nor jobs; what there is, works, and the rest is said in words.
+class RobotCommandOverMotoRos : public RobotCommand {};
+
+TEST_P(RobotCommandOverMotoRos, SaysWhatItHas) {
+  ASSERT_EQ(robot({"status"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("base:      X 480.000 Y 0.000"));
+  EXPECT_THAT(out_, HasSubstr("missing:   picks need the job VISPICK, and MotoROS has no jobs"));
+  EXPECT_EQ(robot({"read", "B010"}), 2);
+  ASSERT_EQ(robot({"write", "M100=700", "27010=1"}), 0) << err_;
+  EXPECT_EQ(out_, "M100 = 700\n27010 = true\n");
+  EXPECT_EQ(robot({"job", "start", "VISPICK", "--allow-motion"}), 2);
+  EXPECT_EQ(err_.find("held"), std::string::npos) << err_;
+}
+
+TEST_P(RobotCommandOverMotoRos, MovesStopsAndResets) {
+  ASSERT_EQ(robot({"jog", "z", "-2", "--allow-motion", "--json"}), 0) << err_;
+  EXPECT_NEAR(json()["pose_base"]["z_mm"].number().value(), 403, 0.01) << "of the flange";
+  EXPECT_EQ(robot({"goto", "900,0,403", "--max-way-mm", "2000", "--allow-motion"}), 3);
+  EXPECT_THAT(err_, HasSubstr("out of reach"));
+  EXPECT_EQ(err_.find("held"), std::string::npos) << "nothing was sent, nothing is held: " << err_;
+  ASSERT_EQ(robot({"hold"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("no hold that stays"));
+  ASSERT_EQ(robot({"reset"}), 0) << err_;
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, RobotCommandOverMotoRos, ::testing::Values("motoros"));
 
 TEST(RobotLink, IsTakenApart) {
   EXPECT_EQ(parse_robot_link("tcp80://10.0.0.2", "x")->port, 80);

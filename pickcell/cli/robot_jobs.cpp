@@ -1,5 +1,6 @@
 #include "pickcell/cli/robot_jobs.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 
@@ -14,8 +15,10 @@ using core::Json;
 namespace {
 
 auto usage(std::string why) {
-  return failure(ErrorCode::usage, "job", std::move(why),
-                 "job list | show NAME | download NAME [-o FILE] | upload FILE.JBI | delete NAME | start NAME");
+  return failure(
+      ErrorCode::usage, "job", std::move(why),
+      "job list | show NAME | download NAME [-o FILE] | upload FILE.JBI | delete NAME | select NAME | master NAME | "
+      "start NAME");
 }
 
 core::Result<Json> list(robot::ControllerLink& link) {
@@ -54,7 +57,8 @@ core::Result<Json> start(robot::ControllerLink& link, const std::string& job, co
   if (!state->servo)
     if (auto on = link.servo(true); !on) return core::forward(on);
   if (auto started = link.start_job(job); !started) {
-    if (started.error().code == ErrorCode::refused) return core::forward(started);
+    if (started.error().code != ErrorCode::link && started.error().code != ErrorCode::timeout)
+      return core::forward(started);  // nothing was started
     // Nobody knows whether it runs: hold, never again.
     if (!link.connected()) (void)link.connect();
     started.error().remedy = link.hold(true) ? "the arm is held; look at it" : "press the emergency stop";
@@ -107,10 +111,22 @@ core::Result<Json> run_job_request(robot::ControllerLink& link, const JobRequest
   if (what == "list" && r.words.size() <= 1) return list(link);
   if (r.words.size() != 2) return usage(what + " needs one name");
   const std::string& name = r.words[1];
+  constexpr std::size_t kMostCharacters = 32;
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c <= '~' && c != ','; });
+  if (what != "upload" && (name.empty() || name.size() > kMostCharacters || !plain))
+    return usage("'" + name + "' is no name of a job: 1 to 32 printable characters without blanks and commas");
   if (what == "show") return download(link, name, "");
   if (what == "download") return download(link, name, r.output.empty() ? name + ".JBI" : r.output);
   if (what == "upload") return upload(link, name);
   if (what == "start") return start(link, name, r.limits);
+  if (what == "select") {
+    if (auto selected = link.select_job(name, 0); !selected) return core::forward(selected);
+    return Json::object().set("job", name).set("selected", true);
+  }
+  if (what == "master") {
+    if (auto set = link.set_master_job(name); !set) return core::forward(set);
+    return Json::object().set("job", name).set("master", true);
+  }
   if (what == "delete") {
     if (auto deleted = link.delete_job(name); !deleted) return core::forward(deleted);
     return Json::object().set("job", name).set("deleted", true);

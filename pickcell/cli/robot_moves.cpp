@@ -161,7 +161,8 @@ core::Result<Moved> move_and_watch(ControllerLink& link, const DirectMove& move,
   if (interrupted) return tl::unexpected(problem(link, "interrupted before anything was ordered"));
   const auto start = WallClock::now();
   if (auto ordered = link.move(move); !ordered) {
-    if (ordered.error().code == ErrorCode::refused) return core::forward(ordered);
+    if (ordered.error().code != ErrorCode::link && ordered.error().code != ErrorCode::timeout)
+      return core::forward(ordered);  // refused by the controller, or by us before anything was sent
     return hold_and_tell(link, std::move(ordered.error()));  // nobody knows whether it moves
   }
   const auto limit = start + std::chrono::milliseconds(std::lround(1000 * (5 + 2 * expected_s(move, way, turn))));

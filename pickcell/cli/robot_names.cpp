@@ -1,5 +1,6 @@
 #include "pickcell/cli/robot_names.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -22,7 +23,7 @@ std::optional<int> whole(std::string_view text) {
 
 auto unknown(const std::string& word) {
   return core::failure(ErrorCode::usage, word, "names no variable or contact",
-                       "B010, I010, D010, R003, P010, or a contact's number such as 27010");
+                       "B010, I010, D010, R003, S010, P010, M100, or a contact's number such as 27010");
 }
 
 auto unfit(const std::string& name, const std::string& value, const std::string& what) {
@@ -120,6 +121,8 @@ core::Result<RobotName> parse_robot_name(const std::string& word) {
                                 : VariableType::double_integer;
   } else if (letter == 'R' || letter == 'P') {
     name.kind = letter == 'R' ? RobotName::Kind::real : RobotName::Kind::position;
+  } else if (letter == 'S' || letter == 'M') {
+    name.kind = letter == 'S' ? RobotName::Kind::string : RobotName::Kind::reg;
   } else {
     return unknown(word);
   }
@@ -128,9 +131,11 @@ core::Result<RobotName> parse_robot_name(const std::string& word) {
 
 Json position_json(const robot::CartesianPosition& p) {
   Json out = Json::object();
-  out.set("x_mm", p.x_mm).set("y_mm", p.y_mm).set("z_mm", p.z_mm);
-  out.set("rx_deg", p.rx_deg).set("ry_deg", p.ry_deg).set("rz_deg", p.rz_deg);
-  if (p.re_deg) out.set("re_deg", *p.re_deg);
+  const auto mm = [](double v) { return std::round(v * 1e3) / 1e3; };  // what a controller tells
+  const auto deg = [](double v) { return std::round(v * 1e4) / 1e4; };
+  out.set("x_mm", mm(p.x_mm)).set("y_mm", mm(p.y_mm)).set("z_mm", mm(p.z_mm));
+  out.set("rx_deg", deg(p.rx_deg)).set("ry_deg", deg(p.ry_deg)).set("rz_deg", deg(p.rz_deg));
+  if (p.re_deg) out.set("re_deg", deg(*p.re_deg));
   out.set("frame", p.frame).set("tool", p.tool);
   Json form = Json::array();
   const robot::Form& f = p.form;
@@ -157,6 +162,16 @@ core::Result<Json> read_robot_value(robot::ControllerLink& link, const RobotName
       if (!v) return core::forward(v);
       return Json(*v);
     }
+    case RobotName::Kind::string: {
+      auto v = link.read_string(name.number);
+      if (!v) return core::forward(v);
+      return Json(*v);
+    }
+    case RobotName::Kind::reg: {
+      auto v = link.read_register(name.number);
+      if (!v) return core::forward(v);
+      return Json(std::int64_t{*v});
+    }
     case RobotName::Kind::position: {
       auto v = link.read_position_variable(name.number);
       if (!v) return core::forward(v);
@@ -173,6 +188,12 @@ core::Result<Json> read_robot_value(robot::ControllerLink& link, const RobotName
 
 core::Status write_robot_value(robot::ControllerLink& link, const RobotName& name, const std::string& value) {
   if (name.kind == RobotName::Kind::position) return write_position(link, name, value);
+  if (name.kind == RobotName::Kind::string) {
+    constexpr std::size_t kMostBytes = 32;
+    const bool plain = std::all_of(value.begin(), value.end(), [](char c) { return c >= ' ' && c <= '~'; });
+    if (value.size() > kMostBytes || !plain) return unfit(name.text, value, "at most 32 printable characters");
+    return link.write_string(name.number, value);
+  }
   auto numbers = parse_numbers(value, 1, 1, name.text);
   if (!numbers) return core::forward(numbers);
   const double v = numbers->front();
@@ -184,6 +205,10 @@ core::Status write_robot_value(robot::ControllerLink& link, const RobotName& nam
   if (name.kind == RobotName::Kind::contact) {
     if (v != 0 && v != 1) return unfit(name.text, value, "0 or 1");
     return write_contact(link, name, v == 1);
+  }
+  if (name.kind == RobotName::Kind::reg) {
+    if (v != std::floor(v) || v < 0 || v > 65535) return unfit(name.text, value, "a whole number from 0 to 65535");
+    return link.write_register(name.number, static_cast<std::uint16_t>(v));
   }
   const auto [low, high] = range(name.type);
   if (v != std::floor(v) || v < low || v > high)

@@ -1,5 +1,5 @@
 #pragma once
-/// What `pickcell robot LINK read|write` names: B010, I010, D010, R003, P010, contact 27010.
+/// What `pickcell robot LINK read|write` names: B010, I010, D010, R003, S010, P010, M100, contact 27010.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 namespace pickcell::cli {
 
 struct RobotName {
-  enum class Kind { integer, real, position, contact };
+  enum class Kind { integer, real, string, position, reg, contact };
   Kind kind = Kind::integer;
   robot::VariableType type = robot::VariableType::byte;  ///< of an integer
   int number = 0;
@@ -21,9 +21,10 @@ struct RobotName {
 /// Errors: usage.
 [[nodiscard]] core::Result<RobotName> parse_robot_name(const std::string& word);
 
-/// The value as JSON: a number; a contact true or false; a position an object with unit names.
+/// The value as JSON: a number; a string text; a contact true or false; a position an object with unit names.
 [[nodiscard]] core::Result<core::Json> read_robot_value(robot::ControllerLink& link, const RobotName& name);
-/// `value` as text: a number, 0 or 1, or x,y,z,rx,ry,rz[,tool[,frame]] in mm and degrees. Out of range: usage.
+/// `value` as text: a number, at most 32 bytes for a string, 0 or 1, or x,y,z,rx,ry,rz[,tool[,frame]] in mm and
+/// degrees. Out of range: usage.
 [[nodiscard]] core::Status write_robot_value(robot::ControllerLink& link, const RobotName& name,
                                              const std::string& value);
 

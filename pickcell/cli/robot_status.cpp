@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <utility>
 
 #include "pickcell/cli/robot_names.hpp"
 #include "pickcell/robot/readiness.hpp"
@@ -33,20 +34,40 @@ core::Status measure(robot::ControllerLink& link, int reads, RobotReport& report
   return {};
 }
 
+void add_missing(RobotReport& report, std::string what, std::string remedy) {
+  report.missing.push_back(std::move(what));
+  report.to_do.push_back(std::move(remedy));
+}
+
 core::Status find_missing(robot::ControllerLink& link, const std::string& job, RobotReport& report) {
-  for (const robot::Hindrance& h : robot::hindrances(report.state)) {
-    report.missing.push_back(h.what);
-    report.to_do.push_back(h.remedy);
-  }
+  for (const robot::Hindrance& h : robot::hindrances(report.state)) add_missing(report, h.what, h.remedy);
   auto jobs = link.list_jobs();
-  if (!jobs && jobs.error().code != core::ErrorCode::refused) return core::forward(jobs);
-  if (!jobs) {
-    report.missing.push_back("the job list cannot be read: " + jobs.error().why);
-    report.to_do.push_back(jobs.error().remedy);
+  if (!jobs && !link.connected()) return core::forward(jobs);
+  if (!jobs && jobs.error().code == core::ErrorCode::usage) {
+    add_missing(report, "picks need the job " + job + ", and " + jobs.error().why, jobs.error().remedy);
+  } else if (!jobs) {
+    add_missing(report, "the job list cannot be read: " + jobs.error().why, jobs.error().remedy);
   } else if (std::find(jobs->begin(), jobs->end(), job) == jobs->end()) {
-    report.missing.push_back("there is no job " + job);
-    report.to_do.push_back("load it: pickcell robot hses://HOST job upload " + job + ".JBI, or from a card");
+    add_missing(report, "there is no job " + job,
+                "load it: pickcell robot hses://HOST job upload " + job + ".JBI, or from a card");
   }
+  return {};
+}
+
+core::Status read_poses(robot::ControllerLink& link, int frame, RobotReport& report) {
+  auto base = link.read_position(robot::kBaseFrame);
+  if (!base && !link.connected()) return core::forward(base);
+  if (base)
+    report.in_base = *base;
+  else
+    add_missing(report, "the pose: " + base.error().why, base.error().remedy);
+  if (frame == robot::kBaseFrame) return {};
+  auto other = link.read_position(frame);
+  if (!other && !link.connected()) return core::forward(other);
+  if (other)
+    report.in_frame = *other;
+  else
+    add_missing(report, "the pose in frame " + std::to_string(frame) + ": " + other.error().why, other.error().remedy);
   return {};
 }
 
@@ -81,25 +102,21 @@ core::Result<RobotReport> read_report(robot::ControllerLink& link, int frame, co
   r.peer = link.peer();
   auto identity = link.identity();
   if (identity) r.identity = *identity;
-  if (!identity && identity.error().code != core::ErrorCode::refused) return core::forward(identity);
+  if (!identity && !link.connected()) return core::forward(identity);
   if (auto measured = measure(link, reads, r); !measured) return core::forward(measured);
   auto alarms = link.read_alarms();
-  if (!alarms) return core::forward(alarms);
-  r.alarms = *alarms;
+  if (!alarms && !link.connected()) return core::forward(alarms);
+  if (alarms)
+    r.alarms = *alarms;
+  else
+    add_missing(r, "the alarms: " + alarms.error().why, alarms.error().remedy);
   auto current = link.read_job();
   if (current) r.job = *current;
-  if (!current && current.error().code != core::ErrorCode::refused) return core::forward(current);  // none is set
-  auto base = link.read_position(robot::kBaseFrame);
-  if (!base) return core::forward(base);
-  r.in_base = *base;
-  if (frame != robot::kBaseFrame) {
-    auto other = link.read_position(frame);
-    if (!other) return core::forward(other);
-    r.in_frame = *other;
-  }
+  if (!current && !link.connected()) return core::forward(current);  // refused: none is set
+  if (auto poses = read_poses(link, frame, r); !poses) return core::forward(poses);
   auto pulses = link.read_pulses();
-  if (!pulses) return core::forward(pulses);
-  r.pulses = *pulses;
+  if (pulses) r.pulses = *pulses;
+  if (!pulses && !link.connected()) return core::forward(pulses);
   if (auto found = find_missing(link, job, r); !found) return core::forward(found);
   return r;
 }
@@ -109,7 +126,11 @@ Json report_json(const RobotReport& r) {
   Json out = Json::object();
   out.set("peer", r.peer).set("identity", r.identity);
   out.set("mode", s.teach ? "teach" : "play").set("remote", s.remote).set("servo", s.servo).set("running", s.running);
-  out.set("cycle", s.step ? "step" : s.one_cycle ? "one_cycle" : "continuous").set("speed_limited", s.speed_limited);
+  out.set("cycle", s.step         ? Json("step")
+                   : s.one_cycle  ? Json("one_cycle")
+                   : s.continuous ? Json("continuous")
+                                  : Json())
+      .set("speed_limited", s.speed_limited);
   out.set("hold_pendant", s.hold_pendant).set("hold_external", s.hold_external).set("hold_command", s.hold_command);
   out.set("alarm", s.alarm).set("error", s.error);
   Json alarms = Json::array();
@@ -117,7 +138,7 @@ Json report_json(const RobotReport& r) {
     alarms.push(Json::object().set("code", a.code).set("data", a.data).set("text", a.text));
   out.set("alarms", alarms);
   out.set("job", r.job.name.empty() ? Json() : Json(r.job.name)).set("line", r.job.line).set("step", r.job.step);
-  out.set("pose_base", position_json(r.in_base));
+  if (r.in_base) out.set("pose_base", position_json(*r.in_base));
   if (r.in_frame) out.set("pose_frame", position_json(*r.in_frame));
   Json pulses = Json::array();
   for (const std::int32_t p : r.pulses) pulses.push(std::int64_t{p});
@@ -139,11 +160,12 @@ std::string report_words(const RobotReport& r) {
   for (const robot::Alarm& a : r.alarms) out += "alarm:     " + a.text + "\n";
   out += "job:       " +
          (r.job.name.empty() ? "none is set" : r.job.name + text(", line %d, step %d", r.job.line, r.job.step)) + "\n";
-  out += "base:      " + position_words(r.in_base) + "\n";
+  if (r.in_base) out += "base:      " + position_words(*r.in_base) + "\n";
   if (r.in_frame) out += text("frame %-3d  ", r.in_frame->frame) + position_words(*r.in_frame) + "\n";
-  out += "pulses:   ";
+  if (!r.pulses.empty()) out += "pulses:   ";
   for (const std::int32_t p : r.pulses) out += " " + std::to_string(p);
-  out += text("\nanswers:   %zu status reads, median %.2f ms, p99 %.2f ms, longest %.2f ms\n", r.answer_ms.size(),
+  if (!r.pulses.empty()) out += "\n";
+  out += text("answers:   %zu status reads, median %.2f ms, p99 %.2f ms, longest %.2f ms\n", r.answer_ms.size(),
               at_share(r.answer_ms, 0.5), at_share(r.answer_ms, 0.99), at_share(r.answer_ms, 1));
   for (std::size_t i = 0; i < r.missing.size(); ++i) out += "missing:   " + r.missing[i] + "; " + r.to_do[i] + "\n";
   if (r.missing.empty()) out += "ready:     nothing is missing for picks\n";

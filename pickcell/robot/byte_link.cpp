@@ -8,10 +8,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <memory>
 #include <utility>
 
 namespace pickcell::robot {
@@ -30,26 +28,11 @@ auto too_late(const std::string& peer, std::string why) {
   return core::failure(ErrorCode::timeout, peer, std::move(why), std::string(kCheckCable));
 }
 
-/// True when the socket is ready for `events` before the deadline.
-bool ready(int socket, short events, WallDeadline deadline) {
-  for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
-    pollfd entry{socket, events, 0};
-    const int n = poll(&entry, 1, static_cast<int>(std::clamp<decltype(left)>(left, 0, 60'000)));
-    if (n > 0 || (n < 0 && errno != EINTR)) return true;  // an error shows up in the call that follows
-    if (left <= 0) return false;
-  }
-}
-
-struct FreeAddresses {
-  void operator()(addrinfo* list) const { freeaddrinfo(list); }
-};
-
 /// 0 when connected, else an errno value; ETIMEDOUT at the deadline.
 int finish_connect(int socket, const addrinfo& address, WallDeadline deadline) {
   if (::connect(socket, address.ai_addr, address.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS) return errno;
-  if (!ready(socket, POLLOUT, deadline)) return ETIMEDOUT;
+  if (!socket_ready(socket, POLLOUT, deadline)) return ETIMEDOUT;
   int problem = 0;
   socklen_t size = sizeof problem;
   getsockopt(socket, SOL_SOCKET, SO_ERROR, &problem, &size);
@@ -60,14 +43,10 @@ int finish_connect(int socket, const addrinfo& address, WallDeadline deadline) {
 
 core::Result<ByteLink> ByteLink::connect(const std::string& host, int port, WallDeadline deadline) {
   const std::string peer = host + ':' + std::to_string(port);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int problem = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found); problem != 0)
-    return broken(peer, gai_strerror(problem));
-  const std::unique_ptr<addrinfo, FreeAddresses> addresses(found);
+  auto addresses = addresses_of(host, port, SOCK_STREAM);
+  if (!addresses) return core::forward(addresses);
   int problem = EHOSTUNREACH;
-  for (const addrinfo* a = addresses.get(); a; a = a->ai_next) {
+  for (const addrinfo* a = addresses->get(); a; a = a->ai_next) {
     const int socket = ::socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol);
     if (socket < 0) {
       problem = errno;
@@ -103,7 +82,7 @@ core::Status ByteLink::write(std::string_view bytes, WallDeadline deadline) {
     if (n > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(n));
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (!ready(socket_, POLLOUT, deadline)) return too_late(peer_, "the controller takes no more data");
+      if (!socket_ready(socket_, POLLOUT, deadline)) return too_late(peer_, "the controller takes no more data");
     } else if (errno != EINTR) {
       return broken(peer_, std::string("connection lost while sending: ") + std::strerror(errno));
     }
@@ -117,7 +96,7 @@ core::Result<std::size_t> ByteLink::read(std::span<char> buffer, WallDeadline de
     if (n > 0) return static_cast<std::size_t>(n);
     if (n == 0) return broken(peer_, "the controller closed the connection");
     if (errno == EAGAIN || errno == EWOULDBLOCK) {
-      if (!ready(socket_, POLLIN, deadline)) return too_late(peer_, "no answer within the deadline");
+      if (!socket_ready(socket_, POLLIN, deadline)) return too_late(peer_, "no answer within the deadline");
     } else if (errno != EINTR) {
       return broken(peer_, std::string("connection lost: ") + std::strerror(errno));
     }

@@ -1,17 +1,15 @@
 #pragma once
 /// A TCP connection with a deadline on everything, in wall time. The transport under the clients.
 
-#include <chrono>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "pickcell/core/result.hpp"
+#include "pickcell/robot/sockets.hpp"
 
 namespace pickcell::robot {
-
-using WallDeadline = std::chrono::steady_clock::time_point;
 
 /// One thread at a time. Errors name the peer as host:port: link (refused, lost, closed), timeout. After an error the
 /// link is of no more use, except after a timeout of read().

@@ -5,11 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -26,22 +24,14 @@ auto broken(const std::string& peer, std::string why) {
   return core::failure(ErrorCode::link, peer, std::move(why), std::string(kCheckCable));
 }
 
-struct FreeAddresses {
-  void operator()(addrinfo* list) const { freeaddrinfo(list); }
-};
-
 }  // namespace
 
 core::Result<DatagramLink> DatagramLink::open(const std::string& host, int port) {
   const std::string peer = host + ':' + std::to_string(port);
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  if (const int problem = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found); problem != 0)
-    return broken(peer, gai_strerror(problem));
-  const std::unique_ptr<addrinfo, FreeAddresses> addresses(found);
+  auto addresses = addresses_of(host, port, SOCK_DGRAM);
+  if (!addresses) return core::forward(addresses);
   int problem = EHOSTUNREACH;
-  for (const addrinfo* a = addresses.get(); a; a = a->ai_next) {
+  for (const addrinfo* a = addresses->get(); a; a = a->ai_next) {
     DatagramLink link(::socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol), peer);
     if (link.socket_ >= 0 && ::connect(link.socket_, a->ai_addr, a->ai_addrlen) == 0) return link;
     problem = errno;
@@ -78,11 +68,8 @@ core::Result<std::size_t> DatagramLink::receive(std::span<std::uint8_t> buffer, 
     if (errno == EINTR) continue;
     if (errno != EAGAIN && errno != EWOULDBLOCK)
       return broken(peer_, errno == ECONNREFUSED ? "nobody listens there" : std::strerror(errno));
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
-    if (left <= 0)
+    if (!socket_ready(socket_, POLLIN, deadline))
       return core::failure(ErrorCode::timeout, peer_, "no answer within the deadline", std::string(kCheckCable));
-    pollfd entry{socket_, POLLIN, 0};
-    (void)::poll(&entry, 1, static_cast<int>(std::clamp<decltype(left)>(left, 0, 60'000)));
   }
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "pickcell/core/result.hpp"
-#include "pickcell/robot/byte_link.hpp"
+#include "pickcell/robot/sockets.hpp"
 
 namespace pickcell::robot {
 

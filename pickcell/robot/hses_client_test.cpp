@@ -2,111 +2,18 @@
 
 #include "pickcell/robot/hses_client.hpp"
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <functional>
-#include <mutex>
-#include <thread>
+
+#include "pickcell/robot/hses_scripted_test.hpp"
 
 namespace pickcell::robot {
 namespace {
 
 using core::ErrorCode;
 using ::testing::HasSubstr;
-
-HsesAnswer answer_to(const HsesRequest& r, HsesBytes payload = {}) {
-  HsesAnswer a;
-  a.division = r.division;
-  a.id = r.id;
-  a.service = r.service;
-  a.payload = std::move(payload);
-  return a;
-}
-
-HsesAnswer refusal_of(const HsesRequest& r, std::uint16_t added) {
-  HsesAnswer a = answer_to(r);
-  a.status = 0x1F;
-  a.added_status = added;
-  return a;
-}
-
-const HsesBytes kIdle = {194, 0, 0, 0, 0, 0, 0, 0};
-
-/// What comes back for a request: datagrams, in order.
-using Reply = std::function<std::vector<HsesBytes>(const HsesRequest&)>;
-
-Reply says(HsesBytes payload) {
-  return [payload](const HsesRequest& r) { return std::vector<HsesBytes>{hses_bytes(answer_to(r, payload))}; };
-}
-Reply refuses(std::uint16_t added) {
-  return [added](const HsesRequest& r) { return std::vector<HsesBytes>{hses_bytes(refusal_of(r, added))}; };
-}
-const Reply kSilence = [](const HsesRequest&) { return std::vector<HsesBytes>{}; };
-
-/// Each request gets the next reply of the script; after its end nothing.
-class ScriptedController {
- public:
-  explicit ScriptedController(std::vector<Reply> script) : script_(std::move(script)) {
-    socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
-    getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size);
-    port_ = ntohs(address.sin_port);
-    thread_ = std::thread([this] { serve(); });
-  }
-  ~ScriptedController() {
-    shutdown(socket_, SHUT_RDWR);
-    thread_.join();
-    close(socket_);
-  }
-  [[nodiscard]] HsesSettings settings(int timeout_ms = 20000) const {
-    HsesSettings s;
-    s.host = "127.0.0.1";
-    s.port = port_;
-    s.timeout = std::chrono::milliseconds(timeout_ms);
-    return s;
-  }
-  std::vector<HsesRequest> received() {
-    const std::lock_guard lock(mutex_);
-    return received_;
-  }
-
- private:
-  void serve() {
-    std::array<std::uint8_t, 1024> buffer{};
-    for (;;) {
-      sockaddr_in from{};
-      socklen_t size = sizeof from;
-      const ssize_t n = recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-      if (n <= 0) return;
-      const auto request = parse_hses_request(HsesView(buffer).first(static_cast<std::size_t>(n)));
-      ASSERT_TRUE(request);
-      std::size_t turn = 0;
-      {
-        const std::lock_guard lock(mutex_);
-        received_.push_back(*request);
-        turn = received_.size() - 1;
-      }
-      if (turn >= script_.size()) continue;
-      for (const HsesBytes& reply : script_[turn](*request))
-        sendto(socket_, reply.data(), reply.size(), 0, reinterpret_cast<sockaddr*>(&from), size);
-    }
-  }
-
-  std::vector<Reply> script_;
-  int socket_ = -1, port_ = 0;
-  std::thread thread_;
-  std::mutex mutex_;
-  std::vector<HsesRequest> received_;
-};
 
 TEST(HsesClient, MatchesAnswersAndDropsTheRest) {
   const Reply noisy = [](const HsesRequest& r) {
@@ -137,7 +44,7 @@ TEST(HsesClient, MatchesAnswersAndDropsTheRest) {
 
 TEST(HsesClient, ReadsAndWritesOfVariablesAreRepeated) {
   ScriptedController controller({says(kIdle), kSilence, kSilence, says({3}), kSilence, says({})});
-  HsesClient client(controller.settings(60));
+  HsesClient client(controller.settings(300));
   ASSERT_TRUE(client.connect());
   EXPECT_EQ(client.read_integer(VariableType::byte, 5).value(), 3);
   EXPECT_TRUE(client.write_integer(VariableType::double_integer, 10, 4));
@@ -155,7 +62,7 @@ TEST(HsesClient, WhatStartsMovesOrSwitchesIsSentOnce) {
       [](HsesClient& c) { return c.move({DirectMove::Kind::line, 5, false, {}}); }};
   for (const auto& order : orders) {
     ScriptedController controller({says(kIdle)});
-    HsesClient client(controller.settings(60));
+    HsesClient client(controller.settings(300));
     ASSERT_TRUE(client.connect());
     const auto lost = order(client);
     ASSERT_FALSE(lost);
@@ -170,7 +77,7 @@ TEST(HsesClient, WhatStartsMovesOrSwitchesIsSentOnce) {
 
 TEST(HsesClient, HoldOnIsRepeated) {
   ScriptedController controller({says(kIdle), kSilence, says({})});
-  HsesClient client(controller.settings(60));
+  HsesClient client(controller.settings(300));
   ASSERT_TRUE(client.connect());
   EXPECT_TRUE(client.hold(true));
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace pickcell::robot {
 
@@ -14,41 +15,13 @@ namespace {
 
 constexpr std::uint32_t kPulse = 0, kBase = 16, kRobot = 17, kUser = 18;
 constexpr std::size_t kStatusBytes = 8, kJobBytes = 44, kShortestPosition = 44, kMoveBytes = 104, kPulseMoveBytes = 88;
+constexpr std::size_t kSubCodeInfo = 16, kSubCodeText = 96;
 constexpr int kBaseAxes = 3, kStationAxes = 6;
 
 auto malformed(const std::string& what, HsesView payload) {
   return core::failure(ErrorCode::link, "answer to " + what,
                        "not understood: " + std::to_string(payload.size()) + " bytes",
                        "check that the address is a controller's High Speed Ethernet Server");
-}
-
-struct Plural {
-  std::uint16_t command;
-  std::size_t element_bytes;
-  std::uint32_t most;
-  std::uint32_t step;  ///< counts are multiples of it
-};
-constexpr std::array<Plural, 10> kPlurals = {{{kHsesPluralIo, 1, 474, 2},
-                                              {kHsesPluralRegister, 2, 237, 1},
-                                              {kHsesPluralB, 1, 474, 2},
-                                              {kHsesPluralI, 2, 237, 1},
-                                              {kHsesPluralD, 4, 118, 1},
-                                              {kHsesPluralR, 4, 118, 1},
-                                              {kHsesPluralS, 16, 29, 1},
-                                              {kHsesPluralP, 52, 9, 1},
-                                              {kHsesPluralBp, 36, 13, 1},
-                                              {kHsesPluralEx, 36, 13, 1}}};
-
-const Plural* plural(std::uint16_t command) {
-  const auto* found =
-      std::find_if(kPlurals.begin(), kPlurals.end(), [&](const Plural& p) { return p.command == command; });
-  return found == kPlurals.end() ? nullptr : found;
-}
-
-void check_plural(std::uint16_t command, std::uint32_t count) {
-  const Plural* p = plural(command);
-  if (!p || count == 0 || count > p->most || count % p->step != 0)
-    throw std::invalid_argument("HSES: not a count for this plural command");
 }
 
 HsesBytes word(std::uint32_t v) { return HsesWriter().u32(v).take(); }
@@ -102,6 +75,14 @@ HsesRequest hses_select_job(std::string_view job, std::uint32_t line) {
   return hses_set_all(kHsesSelect, 1, HsesWriter().text(job, kHsesJobNameBytes).u32(line).take());
 }
 
+HsesRequest hses_select_master(std::string_view job, int task) {
+  constexpr int kFirst = 10, kTasks = 6;
+  if (task < 0 || task >= kTasks) throw std::invalid_argument("tasks are 0 to 5");
+  HsesRequest r = hses_select_job(job, 0);
+  r.instance = static_cast<std::uint16_t>(kFirst + task);
+  return r;
+}
+
 HsesRequest hses_start() { return hses_set_one(kHsesStart, 1, word(1)); }
 
 HsesRequest hses_cycle(std::uint32_t mode) { return hses_set_one(kHsesCycle, 2, word(mode)); }
@@ -109,28 +90,6 @@ HsesRequest hses_cycle(std::uint32_t mode) { return hses_set_one(kHsesCycle, 2, 
 HsesRequest hses_message(std::string_view text) {
   if (text.size() > kHsesMessageBytes) throw std::invalid_argument("a message has at most 30 bytes");
   return hses_set_one(kHsesMessage, 1, HsesWriter().text(text, text.size()).take());
-}
-
-HsesRequest hses_read_plural(std::uint16_t command, std::uint16_t first, std::uint32_t count) {
-  check_plural(command, count);
-  return request(command, first, 0, HsesService::read_plural, word(count));
-}
-
-HsesRequest hses_write_plural(std::uint16_t command, std::uint16_t first, std::uint32_t count, HsesBytes elements) {
-  check_plural(command, count);
-  if (elements.size() != count * hses_element_bytes(command))
-    throw std::invalid_argument("HSES: elements and their count differ");
-  return request(command, first, 0, HsesService::write_plural, HsesWriter().u32(count).bytes(elements).take());
-}
-
-std::size_t hses_element_bytes(std::uint16_t plural_command) {
-  const Plural* p = plural(plural_command);
-  return p ? p->element_bytes : 0;
-}
-
-std::uint32_t hses_most_elements(std::uint16_t plural_command) {
-  const Plural* p = plural(plural_command);
-  return p ? p->most : 0;
 }
 
 HsesRequest hses_file(HsesService service, std::string_view name) {
@@ -161,16 +120,24 @@ core::Result<RobotState> parse_hses_status(HsesView payload) {
 }
 
 core::Result<HsesAlarmData> parse_hses_alarm(HsesView payload) {
-  if (payload.size() != kHsesAlarmBytes) return malformed("alarm (0x70)", payload);
+  const bool sub_codes = payload.size() == kHsesAlarmWithSubCodeBytes;
+  if (payload.size() != kHsesAlarmBytes && !sub_codes) return malformed("alarm (0x70)", payload);
   HsesReader in(payload);
   HsesAlarmData a;
   a.code = in.u32(), a.data = in.u32(), a.type = in.u32();
   a.time = in.text(16), a.name = in.text(32);
+  if (sub_codes)
+    a.sub_code_info = in.text(kSubCodeInfo), a.sub_code_data = in.text(kSubCodeText),
+    a.sub_code_reverse = in.text(kSubCodeText);
   return a;
 }
 
 HsesBytes hses_payload(const HsesAlarmData& a) {
-  return HsesWriter().u32(a.code).u32(a.data).u32(a.type).text(a.time, 16).text(a.name, 32).take();
+  HsesWriter out;
+  out.u32(a.code).u32(a.data).u32(a.type).text(a.time, 16).text(a.name, 32);
+  if (!a.sub_code_info.empty() || !a.sub_code_data.empty() || !a.sub_code_reverse.empty())
+    out.text(a.sub_code_info, kSubCodeInfo).text(a.sub_code_data, kSubCodeText).text(a.sub_code_reverse, kSubCodeText);
+  return out.take();
 }
 
 core::Result<HsesJobInfo> parse_hses_job(HsesView payload) {
@@ -232,13 +199,15 @@ core::Result<VariablePosition> variable_position(const HsesPosition& p) {
 
 HsesPosition hses_position(const VariablePosition& position) {
   HsesPosition p;
+  const int tool = std::visit([](const auto& any) { return any.tool; }, position);
+  if (tool < 0 || tool > kMaxTool) throw std::invalid_argument("tool number outside 0..63");
   if (const auto* pulse = std::get_if<PulsePosition>(&position)) {
     std::copy(pulse->pulses.begin(), pulse->pulses.end(), p.axes.begin());
     p.tool = static_cast<std::uint32_t>(pulse->tool);
     return p;
   }
   const auto& c = std::get<CartesianPosition>(position);
-  if (c.frame < 0) throw std::invalid_argument("a frame number must not be negative");
+  if (c.frame < 0 || c.frame > kMaxFrame) throw std::invalid_argument("frame number outside 0..65");
   p.type = c.frame == kBaseFrame ? kBase : c.frame == kRobotFrame ? kRobot : kUser;
   p.user = c.frame > kRobotFrame ? static_cast<std::uint32_t>(c.frame - kRobotFrame) : 0;
   p.form = hses_form(c.form);
@@ -348,14 +317,6 @@ core::Result<std::array<std::int32_t, 8>> parse_hses_axes(HsesView payload) {
   std::array<std::int32_t, 8> axes{};
   for (std::int32_t& axis : axes) axis = in.i32();
   return axes;
-}
-
-core::Result<HsesBytes> parse_hses_plural(HsesView payload, std::uint16_t plural_command, std::uint32_t count) {
-  const std::size_t element = hses_element_bytes(plural_command);
-  if (element == 0 || payload.size() < 4 || count > kHsesMostPayload) return malformed("plural read", payload);
-  HsesReader in(payload);
-  if (in.u32() != count || in.rest().size() != count * element) return malformed("plural read", payload);
-  return HsesBytes(in.rest().begin(), in.rest().end());
 }
 
 std::vector<std::string> parse_hses_file_list(std::string_view text) {

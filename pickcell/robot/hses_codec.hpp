@@ -12,6 +12,7 @@
 #include "pickcell/core/result.hpp"
 #include "pickcell/robot/controller_link.hpp"
 #include "pickcell/robot/hses_frame_codec.hpp"
+#include "pickcell/robot/hses_variable_codec.hpp"  // of variables, single and plural
 #include "pickcell/robot/position.hpp"
 #include "pickcell/robot/robot.hpp"
 
@@ -48,22 +49,15 @@ enum HsesCommand : std::uint16_t {
   kHsesMove = 0x8A,
   kHsesMovePulse = 0x8B,
   kHsesS32 = 0x8C,
-  kHsesPluralIo = 0x300,
-  kHsesPluralRegister = 0x301,
-  kHsesPluralB = 0x302,
-  kHsesPluralI = 0x303,
-  kHsesPluralD = 0x304,
-  kHsesPluralR = 0x305,
-  kHsesPluralS = 0x306,
-  kHsesPluralP = 0x307,
-  kHsesPluralBp = 0x308,
-  kHsesPluralEx = 0x309,
 };
 
 /// Instances.
 constexpr std::uint16_t kHsesRobotPulse = 1, kHsesRobotCartesian = 101;
 constexpr std::uint16_t kHsesHold = 1, kHsesServo = 2, kHsesLock = 3;
 constexpr std::uint16_t kHsesResetAlarm = 1, kHsesCancelError = 2;
+/// Of kHsesAlarmHistory: the newest of each list; the 99 before it follow.
+constexpr std::uint16_t kHsesMajorAlarms = 1, kHsesMonitorAlarms = 1001, kHsesUserAlarmsOfSystem = 2001,
+                        kHsesUserAlarmsOfUser = 3001, kHsesOfflineAlarms = 4001;
 constexpr std::size_t kHsesJobNameBytes = 32;
 constexpr std::size_t kHsesMessageBytes = 30;
 
@@ -80,20 +74,13 @@ constexpr std::size_t kHsesMessageBytes = 30;
 [[nodiscard]] HsesRequest hses_power(std::uint16_t what, bool on);
 /// Job names: no `.JBI`, at most 32 bytes; longer ones throw std::invalid_argument.
 [[nodiscard]] HsesRequest hses_select_job(std::string_view job, std::uint32_t line);
+/// Of a task, 0-5; another throws std::invalid_argument.
+[[nodiscard]] HsesRequest hses_select_master(std::string_view job, int task = 0);
 [[nodiscard]] HsesRequest hses_start();
 /// 1 step, 2 one cycle, 3 continuous.
 [[nodiscard]] HsesRequest hses_cycle(std::uint32_t mode);
 /// At most 30 bytes; more throw std::invalid_argument.
 [[nodiscard]] HsesRequest hses_message(std::string_view text);
-/// `count` elements from `first` (B and I/O: an even count). Counts that do not fit a datagram throw
-/// std::invalid_argument.
-[[nodiscard]] HsesRequest hses_read_plural(std::uint16_t command, std::uint16_t first, std::uint32_t count);
-[[nodiscard]] HsesRequest hses_write_plural(std::uint16_t command, std::uint16_t first, std::uint32_t count,
-                                            HsesBytes elements);
-/// Bytes of one element of a plural command; 0 when it is none.
-[[nodiscard]] std::size_t hses_element_bytes(std::uint16_t plural_command);
-/// The most elements in one datagram (section 2.2); 0 when it is no plural command.
-[[nodiscard]] std::uint32_t hses_most_elements(std::uint16_t plural_command);
 /// Files: service file_list with a pattern, file_save, file_load or file_delete with a name.
 [[nodiscard]] HsesRequest hses_file(HsesService service, std::string_view name);
 /// A block of a file to the controller (block from 1; the last one is marked), or with no data an acknowledgement.
@@ -107,8 +94,10 @@ struct HsesAlarmData {
   std::uint32_t code = 0, data = 0, type = 0;
   std::string time;  ///< YYYY/MM/DD hh:mm
   std::string name;
+  std::string sub_code_info, sub_code_data, sub_code_reverse;  ///< newer controllers; "" otherwise
 };
-constexpr std::size_t kHsesAlarmBytes = 60;
+/// Without and with sub codes (16 + 96 + 96 bytes of text, as a public client of a YRC1000micro has it).
+constexpr std::size_t kHsesAlarmBytes = 60, kHsesAlarmWithSubCodeBytes = 268;
 [[nodiscard]] core::Result<HsesAlarmData> parse_hses_alarm(HsesView payload);
 [[nodiscard]] HsesBytes hses_payload(const HsesAlarmData& alarm);
 
@@ -133,8 +122,8 @@ constexpr std::size_t kHsesPositionBytes = 52;
 /// In the terms of this program. Positions in the tool frame, tools beyond 63 and form bits that mean other axes have
 /// none: failure of code refused.
 [[nodiscard]] core::Result<VariablePosition> variable_position(const HsesPosition& position);
-/// Frame numbers as in RPOSC: 0 base, 1 robot, 2.. user 1... A position that is not finite or too far throws
-/// std::invalid_argument.
+/// Frame numbers as in RPOSC: 0 base, 1 robot, 2.. user 1... A position that is not finite or too far, a tool beyond
+/// 63 or a frame beyond 65 throws std::invalid_argument.
 [[nodiscard]] HsesPosition hses_position(const VariablePosition& position);
 
 /// Form over HSES: bit 0 back, 1 elbow below, 2 no-flip, 3 R, 4 T, 5 S >= 180 (TCP swaps 0 and 2).
@@ -184,10 +173,6 @@ struct HsesManagementTime {
 /// 0x74: eight names of 4 bytes; 0x76, 0x77: eight numbers.
 [[nodiscard]] core::Result<std::array<std::string, 8>> parse_hses_axis_names(HsesView payload);
 [[nodiscard]] core::Result<std::array<std::int32_t, 8>> parse_hses_axes(HsesView payload);
-
-/// The elements of a plural answer: the count asked for, then exactly that many elements.
-[[nodiscard]] core::Result<HsesBytes> parse_hses_plural(HsesView payload, std::uint16_t plural_command,
-                                                        std::uint32_t count);
 
 /// Names between CR LF of a file list.
 [[nodiscard]] std::vector<std::string> parse_hses_file_list(std::string_view text);

@@ -251,6 +251,16 @@ TEST(HsesPayloads, AlarmJobAndTexts) {
   EXPECT_EQ(hses_payload(*a), alarm);
   alarm.pop_back();
   EXPECT_FALSE(parse_hses_alarm(alarm));
+  alarm.push_back(0);
+  for (const auto& [sub_code, size] : {std::pair<std::string, std::size_t>{"INFO", 16}, {"[SLURBT]", 96}, {"", 96}}) {
+    alarm.insert(alarm.end(), sub_code.begin(), sub_code.end());
+    alarm.resize(alarm.size() + size - sub_code.size());
+  }
+  ASSERT_EQ(alarm.size(), 268u) << "with sub codes";
+  const auto whole = parse_hses_alarm(alarm);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->sub_code_info + whole->sub_code_data + whole->sub_code_reverse, "INFO[SLURBT]");
+  EXPECT_EQ(hses_payload(*whole), alarm);
 
   HsesBytes job(44);
   job[0] = 'A', job[32] = 7, job[36] = 2, job[40] = 0x10, job[41] = 0x27;
@@ -318,6 +328,11 @@ TEST(HsesProperties, RandomPositionsSurviveTheWire) {
   CartesianPosition broken;
   broken.z_mm = std::nan("");
   EXPECT_THROW((void)hses_position(broken), std::invalid_argument);
+  for (const auto& [tool, frame] : {std::pair{-1, 0}, {64, 0}, {1, -1}, {1, 66}}) {
+    CartesianPosition p;
+    p.tool = tool, p.frame = frame;
+    EXPECT_THROW((void)hses_position(p), std::invalid_argument) << tool << ' ' << frame;
+  }
 }
 
 }  // namespace

@@ -220,16 +220,6 @@ core::Result<std::int32_t> JobRobot::submit(const picks::Pick& pick) {
 
 core::Result<std::optional<Outcome>> JobRobot::outcome() { return session_.outcome(); }
 
-core::Result<Outcome> JobRobot::withdraw(core::Seat& seat) {
-  if (auto fenced = session_.fence(); !fenced) return core::forward(fenced);
-  if (auto settled = session_.settle(seat, [this] { return job_runs(); }); !settled) return core::forward(settled);
-  auto outcome = session_.outcome();
-  if (!outcome) return core::forward(outcome);
-  if (*outcome) return std::move(**outcome);
-  return core::failure(ErrorCode::refused, "hand-over", "the job stands, the pick cannot be settled now",
-                       "start the job; it does not execute the old pick");
-}
-
 core::Status JobRobot::hold(bool on) {
   if (on && !link_->connected())
     if (auto opened = link_->connect(); !opened) return opened;

@@ -53,7 +53,6 @@ class JobRobot final : public Robot {
   [[nodiscard]] std::vector<Outcome> take_settled() override { return session_.take_settled(); }
   [[nodiscard]] core::Result<std::int32_t> submit(const picks::Pick& pick) override;
   [[nodiscard]] core::Result<std::optional<Outcome>> outcome() override;
-  [[nodiscard]] core::Result<Outcome> withdraw(core::Seat& seat) override;
   [[nodiscard]] core::Status hold(bool on) override;
   [[nodiscard]] core::Status reset() override;
   [[nodiscard]] core::Status write_contact(int contact, bool on) override;

@@ -11,10 +11,7 @@ using core::ErrorCode;
 
 namespace {
 
-constexpr std::size_t kTrailLength = 8;
 constexpr int kStateOffset = 1, kIoOffset = 2;
-
-WallDeadline in(std::chrono::milliseconds time) { return std::chrono::steady_clock::now() + time; }
 
 bool session_broke(const core::Error& error) {
   return error.code == ErrorCode::link || error.code == ErrorCode::timeout;
@@ -36,18 +33,12 @@ MotoRosClient::MotoRosClient(MotoRosClientSettings settings)
 std::string MotoRosClient::peer() const { return settings_.host + ':' + std::to_string(settings_.port); }
 
 void MotoRosClient::remember(char direction, const MotoFrame& frame) {
-  if (trail_.size() == kTrailLength) trail_.pop_front();
-  trail_.push_back(std::string(1, direction) + ' ' + in_words(frame));
-}
-
-core::Error MotoRosClient::with_trail(core::Error error) const {
-  if (error.trail.empty()) error.trail.assign(trail_.begin(), trail_.end());
-  return error;
+  trail_.add(std::string(1, direction) + ' ' + in_words(frame));
 }
 
 core::Status MotoRosClient::open(Port& port, int offset) {
   port = {};
-  auto link = ByteLink::connect(settings_.host, settings_.port + offset, in(settings_.connect_timeout));
+  auto link = ByteLink::connect(settings_.host, settings_.port + offset, from_now(settings_.connect_timeout));
   if (!link) return core::forward(link);
   port.link = std::move(*link);
   if (order_) port.splitter.emplace(*order_);
@@ -59,7 +50,7 @@ core::Status MotoRosClient::open_state() {
   if (auto opened = open(state_, kStateOffset); !opened) return opened;
   if (order_) return {};
   std::string first;
-  const WallDeadline deadline = in(settings_.state_timeout);
+  const WallDeadline deadline = from_now(settings_.state_timeout);
   while (first.size() < 4) {
     std::array<char, 256> buffer;
     auto n = state_.link->read(buffer, deadline);
@@ -114,7 +105,7 @@ core::Result<MotoRosState> MotoRosClient::fresh_pair() {
     if (old.error().code != ErrorCode::timeout) return core::forward(old);
     break;
   }
-  const WallDeadline deadline = in(settings_.state_timeout);
+  const WallDeadline deadline = from_now(settings_.state_timeout);
   std::optional<MotoFeedback> feedback;
   for (;;) {
     auto next = frame(state_, deadline);
@@ -138,7 +129,7 @@ core::Result<MotoRosState> MotoRosClient::read_state() {
     auto pair = opened ? fresh_pair() : core::Result<MotoRosState>(core::forward(opened));
     if (pair) return pair;
     state_ = {};
-    if (attempt == 2) return tl::unexpected(with_trail(std::move(pair.error())));
+    if (attempt == 2) return tl::unexpected(trail_.onto(std::move(pair.error())));
   }
 }
 
@@ -146,7 +137,7 @@ core::Result<MotoRosState> MotoRosClient::read_state() {
 
 core::Result<MotoFrame> MotoRosClient::exchange(Port& port, const MotoFrame& request, std::int32_t reply_type,
                                                 std::chrono::milliseconds timeout) {
-  const WallDeadline deadline = in(timeout);
+  const WallDeadline deadline = from_now(timeout);
   remember('>', request);
   // One write per message: the controller mishandles messages that arrive in pieces.
   auto sent = port.link->write(moto_bytes(request, *order_), deadline);
@@ -160,7 +151,7 @@ core::Result<MotoFrame> MotoRosClient::exchange(Port& port, const MotoFrame& req
     port.doubtful = true;
   else
     port = {};
-  return tl::unexpected(with_trail(std::move(answer.error())));
+  return tl::unexpected(trail_.onto(std::move(answer.error())));
 }
 
 core::Result<MotoReply> MotoRosClient::ask(const MotoFrame& request, const std::string& what,
@@ -181,7 +172,7 @@ core::Result<MotoReply> MotoRosClient::ask(const MotoFrame& request, const std::
     reply = core::failure(ErrorCode::link, peer() + ' ' + what, "out of step: " + in_words(*answer), "connect again");
   if (!reply) {
     motion_ = {};
-    return tl::unexpected(with_trail(std::move(reply.error())));
+    return tl::unexpected(trail_.onto(std::move(reply.error())));
   }
   last_reply_ = *reply;
   return reply;
@@ -194,7 +185,7 @@ core::Status MotoRosClient::command(std::int32_t command, const std::string& wha
   if (!reply) return core::forward(reply);
   if (reply->result == moto::ok) return {};
   const MotoFault fault = moto_fault(reply->result, reply->subcode);
-  return tl::unexpected(with_trail({ErrorCode::refused, peer() + ' ' + what, fault.meaning, fault.remedy, {}}));
+  return tl::unexpected(trail_.onto({ErrorCode::refused, peer() + ' ' + what, fault.meaning, fault.remedy, {}}));
 }
 
 core::Result<bool> MotoRosClient::ready() {
@@ -215,7 +206,7 @@ core::Status MotoRosClient::stop_trajectory_mode() {
 
 /// Replies to what was asked before are passed over.
 core::Status MotoRosClient::stop_on_this_connection() {
-  const WallDeadline deadline = in(settings_.reply_timeout);
+  const WallDeadline deadline = from_now(settings_.reply_timeout);
   MotoCommand stop;
   stop.command = moto::kStop;
   const MotoFrame request = moto_frame(stop);
@@ -246,7 +237,7 @@ core::Status MotoRosClient::stop() {
   stopped = stop_on_this_connection();
   if (!stopped) {
     motion_ = {};
-    return tl::unexpected(with_trail(std::move(stopped.error())));
+    return tl::unexpected(trail_.onto(std::move(stopped.error())));
   }
   return stopped;
 }
@@ -262,7 +253,21 @@ core::Status MotoRosClient::select_tool(int tool) {
   if (!reply) return core::forward(reply);
   if (reply->result == moto::ok) return {};
   const MotoFault fault = moto_fault(reply->result, reply->subcode);
-  return tl::unexpected(with_trail({ErrorCode::refused, peer() + " select tool", fault.meaning, fault.remedy, {}}));
+  return tl::unexpected(trail_.onto({ErrorCode::refused, peer() + " select tool", fault.meaning, fault.remedy, {}}));
+}
+
+core::Result<MotoDhParameters> MotoRosClient::read_dh_parameters() {
+  if (!connected()) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  const MotoFrame request{moto::kDhParameters, moto::kRequest, moto::kNoReply, {}};
+  auto answer = exchange(motion_, request, moto::kDhParameters, settings_.reply_timeout);
+  if (!answer) return core::forward(answer);
+  if (answer->reply == moto::kFailure)
+    return tl::unexpected(trail_.onto({ErrorCode::refused,
+                                       peer() + " DH parameters",
+                                       "the controller cannot read them out",
+                                       "use the arm's data sheet",
+                                       {}}));
+  return parse_moto_dh_parameters(*answer);
 }
 
 core::Result<int> MotoRosClient::queue_count() {
@@ -278,7 +283,7 @@ core::Result<MotoRosClient::Taken> MotoRosClient::send_point(const MotoTrajector
   if (reply->result == moto::ok) return Taken::yes;
   if (reply->result == moto::busy) return Taken::busy;
   const MotoFault fault = moto_fault(reply->result, reply->subcode);
-  return tl::unexpected(with_trail({ErrorCode::refused, peer() + ' ' + what, fault.meaning, fault.remedy, {}}));
+  return tl::unexpected(trail_.onto({ErrorCode::refused, peer() + ' ' + what, fault.meaning, fault.remedy, {}}));
 }
 
 // --- inputs and outputs ---
@@ -293,7 +298,7 @@ core::Result<MotoFrame> MotoRosClient::io(const MotoFrame& request) {
   auto refusal = parse_moto_io_refusal(*answer);
   if (!refusal) return core::forward(refusal);
   const MotoFault fault = moto_fault(refusal->result, refusal->subcode);
-  return tl::unexpected(with_trail({ErrorCode::refused, peer() + " I/O", fault.meaning, fault.remedy, {}}));
+  return tl::unexpected(trail_.onto({ErrorCode::refused, peer() + " I/O", fault.meaning, fault.remedy, {}}));
 }
 
 core::Result<MotoValue> MotoRosClient::io_read(std::int32_t type, std::uint32_t address) {
@@ -304,7 +309,7 @@ core::Result<MotoValue> MotoRosClient::io_read(std::int32_t type, std::uint32_t 
   if (!value || value->result == moto::io_ok) return value;
   const MotoFault fault = moto_io_fault(value->result);
   return tl::unexpected(
-      with_trail({ErrorCode::refused, peer() + " read " + std::to_string(address), fault.meaning, fault.remedy, {}}));
+      trail_.onto({ErrorCode::refused, peer() + " read " + std::to_string(address), fault.meaning, fault.remedy, {}}));
 }
 
 core::Status MotoRosClient::io_write(std::int32_t type, std::uint32_t address, std::uint32_t value) {
@@ -315,7 +320,7 @@ core::Status MotoRosClient::io_write(std::int32_t type, std::uint32_t address, s
   if (written->result == moto::io_ok) return {};
   const MotoFault fault = moto_io_fault(written->result);
   return tl::unexpected(
-      with_trail({ErrorCode::refused, peer() + " write " + std::to_string(address), fault.meaning, fault.remedy, {}}));
+      trail_.onto({ErrorCode::refused, peer() + " write " + std::to_string(address), fault.meaning, fault.remedy, {}}));
 }
 
 core::Result<bool> MotoRosClient::read_bit(std::uint32_t contact) {

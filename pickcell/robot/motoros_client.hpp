@@ -4,13 +4,13 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/robot/byte_link.hpp"
 #include "pickcell/robot/motoros_codec.hpp"
+#include "pickcell/robot/trail.hpp"
 
 namespace pickcell::robot {
 
@@ -61,6 +61,8 @@ class MotoRosClient {
   [[nodiscard]] core::Status servo(bool on);
   [[nodiscard]] core::Status reset_alarm();
   [[nodiscard]] core::Status select_tool(int tool);
+  /// Of all groups. Refused when the controller cannot read them out.
+  [[nodiscard]] core::Result<MotoDhParameters> read_dh_parameters();
   /// Increments of motion that wait on the controller.
   [[nodiscard]] core::Result<int> queue_count();
 
@@ -98,13 +100,12 @@ class MotoRosClient {
   [[nodiscard]] core::Status io_write(std::int32_t type, std::uint32_t address, std::uint32_t value);
   [[nodiscard]] core::Result<MotoFrame> io(const MotoFrame& request);
   void remember(char direction, const MotoFrame& frame);
-  [[nodiscard]] core::Error with_trail(core::Error error) const;
 
   MotoRosClientSettings settings_;
   std::optional<ByteOrder> order_;
   Port motion_, state_, io_;
   MotoReply last_reply_;
-  std::deque<std::string> trail_;
+  Trail trail_;
 };
 
 }  // namespace pickcell::robot

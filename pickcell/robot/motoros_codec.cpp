@@ -100,6 +100,9 @@ void fields(M& m, F&& f) {
     f(m.value), f(m.result);
   } else if constexpr (std::is_same_v<T, MotoWritten>) {
     f(m.result);
+  } else if constexpr (std::is_same_v<T, MotoDhParameters>) {
+    for (auto& group : m.groups)
+      for (auto& link : group) f(link.theta), f(link.d), f(link.a), f(link.alpha);
   } else {
     static_assert(std::is_same_v<T, MotoIoRefusal>);
     f(m.result), f(m.subcode);
@@ -209,6 +212,9 @@ MotoFrame moto_frame(const MotoCommand& m) { return written(moto::kMotionControl
 /// The reply type is success whatever the result says: so does the recorded controller.
 MotoFrame moto_frame(const MotoReply& m) { return written(moto::kMotionReply, moto::kReply, moto::kSuccess, m); }
 MotoFrame moto_frame(const MotoSelectTool& m) { return written(moto::kSelectTool, moto::kRequest, moto::kNoReply, m); }
+MotoFrame moto_frame(const MotoDhParameters& m) {
+  return written(moto::kDhParameters, moto::kReply, moto::kSuccess, m);
+}
 MotoFrame moto_frame(const MotoIoRefusal& m) { return written(moto::kIoReply, moto::kReply, moto::kFailure, m); }
 MotoFrame moto_frame(std::int32_t type, const MotoAddress& m) {
   return written(type, moto::kRequest, moto::kNoReply, m);
@@ -236,6 +242,9 @@ core::Result<MotoCommand> parse_moto_command(const MotoFrame& f) { return parse<
 core::Result<MotoReply> parse_moto_reply(const MotoFrame& f) { return parse<MotoReply>(f, moto::kMotionReply); }
 core::Result<MotoSelectTool> parse_moto_select_tool(const MotoFrame& f) {
   return parse<MotoSelectTool>(f, moto::kSelectTool);
+}
+core::Result<MotoDhParameters> parse_moto_dh_parameters(const MotoFrame& f) {
+  return parse<MotoDhParameters>(f, moto::kDhParameters);
 }
 core::Result<MotoAddress> parse_moto_address(const MotoFrame& f, std::int32_t type) {
   return parse<MotoAddress>(f, type);

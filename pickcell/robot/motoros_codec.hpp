@@ -89,6 +89,7 @@ constexpr std::int32_t kTimeValid = 1, kPositionValid = 2, kVelocityValid = 4, k
 
 constexpr std::size_t kJoints = 10;
 constexpr std::size_t kGroups = 4;
+constexpr std::size_t kDhLinks = 8;
 }  // namespace moto
 
 /// One message on the wire, its body as 32-bit words in this machine's order.
@@ -144,6 +145,14 @@ struct MotoReply {  ///< 2002
 struct MotoSelectTool {  ///< 2018
   std::int32_t group = 0, tool = 0, sequence = 0;
   bool operator==(const MotoSelectTool&) const = default;
+};
+struct MotoDhLink {  ///< as the controller keeps them; no unit is published
+  float theta = 0, d = 0, a = 0, alpha = 0;
+  bool operator==(const MotoDhLink&) const = default;
+};
+struct MotoDhParameters {  ///< 2020: groups the controller does not have are 0
+  std::array<std::array<MotoDhLink, moto::kDhLinks>, moto::kGroups> groups{};
+  bool operator==(const MotoDhParameters&) const = default;
 };
 /// The I/O messages. Addresses: contact (27010), group = contact / 10, or register number.
 struct MotoAddress {  ///< 2003, 2007, 2012
@@ -205,6 +214,7 @@ class MotoFrameSplitter {
 [[nodiscard]] MotoFrame moto_frame(const MotoCommand& m);
 [[nodiscard]] MotoFrame moto_frame(const MotoReply& m);
 [[nodiscard]] MotoFrame moto_frame(const MotoSelectTool& m);
+[[nodiscard]] MotoFrame moto_frame(const MotoDhParameters& m);
 [[nodiscard]] MotoFrame moto_frame(const MotoIoRefusal& m);
 /// The type says which request or reply it is.
 [[nodiscard]] MotoFrame moto_frame(std::int32_t type, const MotoAddress& m);
@@ -222,6 +232,7 @@ class MotoFrameSplitter {
 [[nodiscard]] core::Result<MotoCommand> parse_moto_command(const MotoFrame& frame);
 [[nodiscard]] core::Result<MotoReply> parse_moto_reply(const MotoFrame& frame);
 [[nodiscard]] core::Result<MotoSelectTool> parse_moto_select_tool(const MotoFrame& frame);
+[[nodiscard]] core::Result<MotoDhParameters> parse_moto_dh_parameters(const MotoFrame& frame);
 [[nodiscard]] core::Result<MotoAddress> parse_moto_address(const MotoFrame& frame, std::int32_t type);
 [[nodiscard]] core::Result<MotoWrite> parse_moto_write(const MotoFrame& frame, std::int32_t type);
 [[nodiscard]] core::Result<MotoValue> parse_moto_value(const MotoFrame& frame, std::int32_t type);

@@ -122,6 +122,21 @@ TEST(MotoRosGolden, InputAndOutput) {  // contact 27010 = 0x6982, group 2701 = 0
             bytes("00000014 000007db 00000003 00000002 00000003 00000bbb"));
 }
 
+TEST(MotoRosGolden,
+     DhParametersPerGroup) {  // theta, d, a, alpha of 8 links of 4 groups; 90 = 42b40000, 0.04 = 3d23d70a
+  const MotoFrame request{moto::kDhParameters, moto::kRequest, moto::kNoReply, {}};
+  EXPECT_EQ(moto_bytes(request, ByteOrder::big), bytes("0000000c 000007e4 00000002 00000000"));
+  const std::string little =
+      bytes("0c020000 e4070000 03000000 01000000  00000000 00000000 0ad7233d 0000b442") + zeros(124);
+  const auto read = parse_moto_dh_parameters(frame_of(little, ByteOrder::little));
+  ASSERT_TRUE(read);
+  EXPECT_FLOAT_EQ(read->groups[0][0].a, 0.04f);
+  EXPECT_EQ(read->groups[0][0].alpha, 90);
+  EXPECT_EQ(read->groups[3][7], MotoDhLink{});
+  EXPECT_EQ(moto_bytes(moto_frame(*read), ByteOrder::little), little);
+  EXPECT_FALSE(parse_moto_dh_parameters(request)) << "a request has no body";
+}
+
 TEST(MotoRosGolden, SizesOfTheReference) {
   const auto size = [](const MotoFrame& f) { return moto_bytes(f, ByteOrder::big).size(); };
   EXPECT_EQ(size({moto::kPing, moto::kRequest, 0, {}}), 16u);
@@ -219,8 +234,8 @@ TEST(MotoRosMessages, RandomMessagesSurviveTheWire) {
   for (int round = 0; round < kRounds; ++round) {
     const ByteOrder order = random() % 2 ? ByteOrder::big : ByteOrder::little;
     MotoFrame f;
-    constexpr std::int32_t kTypes[] = {13, 14, 15, 2001, 2002, 2003, 2004, 2005, 2006, 2011, 2016, 2017, 2018};
-    constexpr std::size_t kWords[] = {7, 34, 33, 13, 15, 1, 2, 2, 1, 2, 134, 133, 3};
+    constexpr std::int32_t kTypes[] = {13, 14, 15, 2001, 2002, 2003, 2004, 2005, 2006, 2011, 2016, 2017, 2018, 2020};
+    constexpr std::size_t kWords[] = {7, 34, 33, 13, 15, 1, 2, 2, 1, 2, 134, 133, 3, 128};
     const std::size_t which = random() % std::size(kTypes);
     f.type = kTypes[which];
     f.comm = static_cast<std::int32_t>(random());
@@ -273,6 +288,9 @@ TEST(MotoRosMessages, RandomMessagesSurviveTheWire) {
         break;
       case 2018:
         same(parse_moto_select_tool(f));
+        break;
+      case 2020:
+        same(parse_moto_dh_parameters(f));
         break;
       default:
         break;

@@ -19,10 +19,6 @@ constexpr std::uint32_t kAlarmGroup = 5001, kModeGroup = 5005, kRunGroup = 5007,
 
 bool bit(std::uint8_t group, int n) { return (group >> n & 1) != 0; }
 
-auto has_no(const std::string& what) {
-  return core::failure(ErrorCode::usage, "motoros", "MotoROS has no " + what, "use tcp80:// or hses://");
-}
-
 /// The flange as a tool pose: tool 0.
 CartesianPosition position_of(const FlangeInBase& T_base_flange) {
   CartesianPosition p = position_from({T_base_flange.rotation(), T_base_flange.translation_m()});
@@ -130,7 +126,7 @@ core::Result<std::vector<Alarm>> MotoRosLink::read_alarms() {
 
 core::Result<CartesianPosition> MotoRosLink::read_position(int frame) {
   if (auto known = needs_model("the pose"); !known) return core::forward(known);
-  if (frame > kRobotFrame) return has_no("user frames");
+  if (frame > kRobotFrame) return tl::unexpected(lacks("user frames"));
   auto now = watch_.read_state();
   if (!now) return core::forward(now);
   return position_of(flange_in_base(*arm_, arm_joints(now->feedback.position)));
@@ -163,8 +159,9 @@ core::Result<std::vector<MotoTrajectoryPoint>> MotoRosLink::plan(const DirectMov
 
 core::Status MotoRosLink::move(const DirectMove& move) {
   if (auto known = needs_model("a move"); !known) return known;
-  if (move.target.frame > kRobotFrame) return has_no("user frames");
-  if (move.target.tool != 0) return has_no("tools that the PC could know: give the target of the flange, tool 0");
+  if (move.target.frame > kRobotFrame) return tl::unexpected(lacks("user frames"));
+  if (move.target.tool != 0)
+    return tl::unexpected(lacks("tools that the PC could know: give the target of the flange, tool 0"));
   if (auto stands = standing(); !stands) return stands;
   if (mover_.joinable()) mover_.join();
   auto now = watch_.read_state();
@@ -187,6 +184,14 @@ core::Status MotoRosLink::move(const DirectMove& move) {
     moving_ = false;
   });
   return {};
+}
+
+core::Result<std::uint16_t> MotoRosLink::read_register(int number) {
+  return watch_.read_register(static_cast<std::uint32_t>(number));
+}
+
+core::Status MotoRosLink::write_register(int number, std::uint16_t value) {
+  return watch_.write_register(static_cast<std::uint32_t>(number), value);
 }
 
 core::Result<std::vector<std::uint8_t>> MotoRosLink::read_contacts(int first, int groups) {
@@ -215,21 +220,7 @@ core::Status MotoRosLink::hold(bool on) {
     return {};
   }
   if (on) return motion_.stop();
-  return has_no("hold to take back: motion that was stopped is gone");
+  return tl::unexpected(lacks("hold to take back: motion that was stopped is gone"));
 }
-
-core::Result<std::vector<std::int32_t>> MotoRosLink::read_pulses() { return has_no("pulses, it tells angles"); }
-core::Result<CurrentJob> MotoRosLink::read_job() { return has_no("jobs"); }
-core::Result<std::int32_t> MotoRosLink::read_integer(VariableType, int) { return has_no("variables"); }
-core::Result<double> MotoRosLink::read_real(int) { return has_no("variables"); }
-core::Result<VariablePosition> MotoRosLink::read_position_variable(int) { return has_no("variables"); }
-core::Status MotoRosLink::write_integer(VariableType, int, std::int32_t) { return has_no("variables"); }
-core::Status MotoRosLink::write_real(int, double) { return has_no("variables"); }
-core::Status MotoRosLink::write_position_variable(int, const VariablePosition&) { return has_no("variables"); }
-core::Status MotoRosLink::start_job(const std::string&) { return has_no("jobs"); }
-core::Result<std::vector<std::string>> MotoRosLink::list_jobs() { return has_no("jobs"); }
-core::Result<std::string> MotoRosLink::read_job_text(const std::string&) { return has_no("jobs"); }
-core::Status MotoRosLink::write_job_text(const std::string&, const std::string&) { return has_no("jobs"); }
-core::Status MotoRosLink::delete_job(const std::string&) { return has_no("jobs"); }
 
 }  // namespace pickcell::robot

@@ -41,31 +41,24 @@ class MotoRosLink final : public ControllerLink {
   [[nodiscard]] bool connected() const override { return order_.has_value(); }
   void disconnect() override;
   [[nodiscard]] std::string peer() const override { return watch_.peer(); }
+  [[nodiscard]] std::string protocol() const override { return "MotoROS"; }
   [[nodiscard]] core::Result<std::string> identity() override;
 
   [[nodiscard]] core::Result<RobotState> read_status() override;
   [[nodiscard]] core::Result<std::vector<Alarm>> read_alarms() override;
   [[nodiscard]] core::Result<CartesianPosition> read_position(int frame) override;
-  [[nodiscard]] core::Result<std::vector<std::int32_t>> read_pulses() override;
-  [[nodiscard]] core::Result<CurrentJob> read_job() override;
-  [[nodiscard]] core::Result<std::int32_t> read_integer(VariableType type, int number) override;
-  [[nodiscard]] core::Result<double> read_real(int number) override;
-  [[nodiscard]] core::Result<VariablePosition> read_position_variable(int number) override;
-  [[nodiscard]] core::Status write_integer(VariableType type, int number, std::int32_t value) override;
-  [[nodiscard]] core::Status write_real(int number, double value) override;
-  [[nodiscard]] core::Status write_position_variable(int number, const VariablePosition& position) override;
+  [[nodiscard]] core::Result<std::uint16_t> read_register(int number) override;
+  [[nodiscard]] core::Status write_register(int number, std::uint16_t value) override;
   [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups) override;
   [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups) override;
   [[nodiscard]] core::Status hold(bool on) override;
   [[nodiscard]] core::Status reset_alarm() override;
   [[nodiscard]] core::Status cancel_error() override { return reset_alarm(); }
   [[nodiscard]] core::Status servo(bool on) override;
-  [[nodiscard]] core::Status start_job(const std::string& job) override;
   [[nodiscard]] core::Status move(const DirectMove& move) override;
-  [[nodiscard]] core::Result<std::vector<std::string>> list_jobs() override;
-  [[nodiscard]] core::Result<std::string> read_job_text(const std::string& job) override;
-  [[nodiscard]] core::Status write_job_text(const std::string& job, const std::string& text) override;
-  [[nodiscard]] core::Status delete_job(const std::string& job) override;
+
+ protected:
+  [[nodiscard]] std::string instead() const override { return "use tcp80:// or hses://"; }
 
  private:
   [[nodiscard]] core::Status needs_model(const std::string& for_what) const;

@@ -19,6 +19,7 @@ struct Form {
 /// Coordinate frame numbers inside RPOSC and P data: 0 base, 1 robot, 2.. user frame 1.. .
 constexpr int kBaseFrame = 0;
 constexpr int kRobotFrame = 1;
+constexpr int kMaxFrame = 65;  ///< user 64
 constexpr int kMaxTool = 63;
 
 /// Tool centre point in a frame of the controller.

@@ -28,6 +28,7 @@ struct Alarm {
   int code = 0;
   int data = 0;
   std::string text;
+  std::string time{};  ///< YYYY/MM/DD hh:mm by the controller's clock; "" where the protocol does not tell
 };
 
 /// What became of a submitted pick. unknown: nobody can say whether the part was moved; never retried by itself.
@@ -67,8 +68,6 @@ class Robot {
   [[nodiscard]] virtual core::Result<std::int32_t> submit(const picks::Pick& pick) = 0;
   /// The outcome of the submitted pick, or nothing while it runs.
   [[nodiscard]] virtual core::Result<std::optional<Outcome>> outcome() = 0;
-  /// Withdraws a pick that was not taken yet (raises the fence), settles its outcome.
-  [[nodiscard]] virtual core::Result<Outcome> withdraw(core::Seat& seat) = 0;
   /// on: makes a new connection where there is none (connect() is still due afterwards).
   [[nodiscard]] virtual core::Status hold(bool on) = 0;
   /// Clears alarm and error; never moves.

@@ -1,5 +1,6 @@
 #include "pickcell/robot/tcp80_client.hpp"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -13,10 +14,6 @@ using core::ErrorCode;
 
 namespace {
 
-constexpr std::size_t kTrailLength = 8;
-
-WallDeadline in(std::chrono::milliseconds time) { return std::chrono::steady_clock::now() + time; }
-
 bool session_broke(const core::Error& error) {
   return error.code == ErrorCode::link || error.code == ErrorCode::timeout;
 }
@@ -26,11 +23,6 @@ std::string without_end(std::string_view bytes) {
   return std::string(bytes);
 }
 
-core::Error no_files(const std::string& job) {
-  return {
-      ErrorCode::usage, job, "TCP port 80 carries no files", "use an hses:// link, or load the job from a card", {}};
-}
-
 }  // namespace
 
 Tcp80Client::Tcp80Client(Tcp80Settings settings) : settings_(std::move(settings)) {}
@@ -38,13 +30,7 @@ Tcp80Client::Tcp80Client(Tcp80Settings settings) : settings_(std::move(settings)
 std::string Tcp80Client::peer() const { return settings_.host + ':' + std::to_string(settings_.port); }
 
 void Tcp80Client::remember(char direction, std::string_view text) {
-  if (trail_.size() == kTrailLength) trail_.pop_front();
-  trail_.push_back(std::string(1, direction) + ' ' + std::string(text.substr(0, 120)));
-}
-
-core::Error Tcp80Client::with_trail(core::Error error) const {
-  error.trail.assign(trail_.begin(), trail_.end());
-  return error;
+  trail_.add(std::string(1, direction) + ' ' + std::string(text.substr(0, 120)));
 }
 
 core::Status Tcp80Client::send(const std::string& bytes, WallDeadline deadline) {
@@ -71,10 +57,10 @@ core::Result<std::string> Tcp80Client::line(WallDeadline deadline) {
 core::Status Tcp80Client::open_session() {
   link_.reset();
   splitter_ = {};
-  auto link = ByteLink::connect(settings_.host, settings_.port, in(settings_.connect_timeout));
+  auto link = ByteLink::connect(settings_.host, settings_.port, from_now(settings_.connect_timeout));
   if (!link) return core::forward(link);
   link_ = std::move(*link);
-  const auto deadline = in(settings_.line_timeout);
+  const auto deadline = from_now(settings_.line_timeout);
   if (auto sent = send(tcp80_connect(), deadline); !sent) return core::forward(sent);
   auto greeting = line(deadline);
   if (!greeting) return core::forward(greeting);
@@ -94,7 +80,7 @@ core::Status Tcp80Client::connect() {
   auto opened = open_session();
   if (!opened) {
     link_.reset();
-    return tl::unexpected(with_trail(std::move(opened.error())));
+    return tl::unexpected(trail_.onto(std::move(opened.error())));
   }
   open_ = true;
   return {};
@@ -122,7 +108,7 @@ core::Error Tcp80Client::refusal(const std::string& command, const std::string& 
 }
 
 core::Result<std::string> Tcp80Client::run_once(const Tcp80Request& request, Kind kind) {
-  const auto line_deadline = in(settings_.line_timeout);
+  const auto line_deadline = from_now(settings_.line_timeout);
   if (auto sent = send(request.header, line_deadline); !sent) return core::forward(sent);
   auto understood = line(line_deadline);
   if (!understood) return core::forward(understood);
@@ -132,7 +118,7 @@ core::Result<std::string> Tcp80Client::run_once(const Tcp80Request& request, Kin
   if (said != Tcp80LineKind::ok || understood->find(request.command) == std::string::npos)
     return core::failure(ErrorCode::link, peer() + ' ' + request.command, "out of step: \"" + *understood + '"',
                          "the session is closed; connect again");
-  const auto result_deadline = in(settings_.result_timeout);
+  const auto result_deadline = from_now(settings_.result_timeout);
   if (!request.operands.empty()) {
     if (auto sent = send(request.operands, result_deadline); !sent) return core::forward(sent);
   }
@@ -156,6 +142,10 @@ core::Result<std::string> Tcp80Client::run_once(const Tcp80Request& request, Kin
 
 core::Result<std::string> Tcp80Client::run(const std::string& command, const std::string& operands, Kind kind) {
   if (!open_) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  const auto control = [](char c) { return c >= 0 && c < ' '; };  // a line end would begin another command
+  if (std::any_of(operands.begin(), operands.end(), control))
+    return core::failure(ErrorCode::usage, peer() + ' ' + command, "its operands hold control characters",
+                         "give printable text");
   const Tcp80Request request = tcp80_request(command, operands);
   const int tries = kind == Kind::read ? 2 : 1;
   for (int attempt = 1;; ++attempt) {
@@ -167,7 +157,7 @@ core::Result<std::string> Tcp80Client::run(const std::string& command, const std
     if (answer) return answer;
     if (broke && attempt < tries) continue;
     if (broke) open_ = false;
-    return tl::unexpected(with_trail(std::move(answer.error())));
+    return tl::unexpected(trail_.onto(std::move(answer.error())));
   }
 }
 
@@ -185,7 +175,7 @@ auto Tcp80Client::read(const std::string& command, const std::string& operands, 
   auto value = parse(*answer);
   if (value) return value;
   link_.reset();  // perhaps out of step; the next command opens a new session
-  return tl::unexpected(with_trail(std::move(value.error())));
+  return tl::unexpected(trail_.onto(std::move(value.error())));
 }
 
 core::Result<RobotState> Tcp80Client::read_status() { return read("RSTATS", "", parse_rstats); }
@@ -207,6 +197,10 @@ core::Result<double> Tcp80Client::read_real(int number) {
   return read("SAVEV", tcp80_read_variable(VariableType::real, number), parse_real_variable);
 }
 
+core::Result<std::string> Tcp80Client::read_string(int number) {
+  return run("SAVEV", tcp80_read_variable(VariableType::string, number), Kind::read);
+}
+
 core::Result<VariablePosition> Tcp80Client::read_position_variable(int number) {
   return read("SAVEV", tcp80_read_variable(VariableType::position, number),
               [number](std::string_view line) { return parse_position_variable(line, number); });
@@ -223,6 +217,10 @@ core::Status Tcp80Client::write_integer(VariableType type, int number, std::int3
 
 core::Status Tcp80Client::write_real(int number, double value) {
   return control("LOADV", tcp80_write_real(number, value));
+}
+
+core::Status Tcp80Client::write_string(int number, const std::string& value) {
+  return control("LOADV", tcp80_write_string(number, value));
 }
 
 core::Status Tcp80Client::write_position_variable(int number, const VariablePosition& position) {
@@ -246,19 +244,21 @@ core::Status Tcp80Client::move(const DirectMove& move) {
   return control(m.command, m.operands);
 }
 
+core::Status Tcp80Client::move_pulses(const PulseMove& move) {
+  if (move.line) return tl::unexpected(lacks("straight moves in pulses whose layout is known"));
+  const Tcp80Move m = tcp80_move(move);
+  return control(m.command, m.operands);
+}
+
 core::Result<std::vector<std::string>> Tcp80Client::list_jobs() {
   return read("RJDIR", "*",
               [](std::string_view line) -> core::Result<std::vector<std::string>> { return parse_rjdir(line); });
 }
 
-core::Result<std::string> Tcp80Client::read_job_text(const std::string& job) { return tl::unexpected(no_files(job)); }
-core::Status Tcp80Client::write_job_text(const std::string& job, const std::string&) {
-  return tl::unexpected(no_files(job));
-}
 core::Status Tcp80Client::delete_job(const std::string& job) { return control("DELETE", job); }
 
 core::Status Tcp80Client::set_mode(bool play) { return control("MODE", play ? "2" : "1"); }
-core::Status Tcp80Client::set_cycle(int mode) { return control("CYCLE", std::to_string(mode)); }
+core::Status Tcp80Client::set_cycle(Cycle cycle) { return control("CYCLE", std::to_string(static_cast<int>(cycle))); }
 core::Status Tcp80Client::lock_pendant(bool on) { return control("HLOCK", on ? "1" : "0"); }
 core::Status Tcp80Client::show_message(const std::string& text) {
   if (text.size() > 30) throw std::invalid_argument("a message has at most 30 bytes");
@@ -268,5 +268,10 @@ core::Status Tcp80Client::select_job(const std::string& job, int line) {
   return control("JSEQ", job + ',' + std::to_string(line));
 }
 core::Status Tcp80Client::set_master_job(const std::string& job) { return control("SETMJ", job); }
+
+core::Result<std::string> Tcp80Client::read_user_frame(int number) {
+  if (number < 1 || number > 64) throw std::invalid_argument("user frames are 1 to 64");
+  return run("RUFRAME", std::to_string(number), Kind::read);
+}
 
 }  // namespace pickcell::robot

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "pickcell/robot/byte_link.hpp"
 #include "pickcell/robot/controller_link.hpp"
 #include "pickcell/robot/tcp80_codec.hpp"
+#include "pickcell/robot/trail.hpp"
 
 namespace pickcell::robot {
 
@@ -39,8 +39,10 @@ class Tcp80Client final : public ControllerLink {
   void disconnect() override;
   /// The controller's greeting, "" before the first.
   [[nodiscard]] const std::string& banner() const { return banner_; }
-  /// host:port
   [[nodiscard]] std::string peer() const override;
+  [[nodiscard]] std::string protocol() const override { return "TCP port 80"; }
+  /// The greeting.
+  [[nodiscard]] core::Result<std::string> identity() override { return banner_; }
 
   [[nodiscard]] core::Result<RobotState> read_status() override;
   [[nodiscard]] core::Result<std::vector<Alarm>> read_alarms() override;
@@ -48,45 +50,44 @@ class Tcp80Client final : public ControllerLink {
   [[nodiscard]] core::Result<std::vector<std::int32_t>> read_pulses() override;
   [[nodiscard]] core::Result<CurrentJob> read_job() override;
 
-  /// B, I or D.
   [[nodiscard]] core::Result<std::int32_t> read_integer(VariableType type, int number) override;
   [[nodiscard]] core::Result<double> read_real(int number) override;
+  [[nodiscard]] core::Result<std::string> read_string(int number) override;
   [[nodiscard]] core::Result<VariablePosition> read_position_variable(int number) override;
   [[nodiscard]] core::Status write_integer(VariableType type, int number, std::int32_t value) override;
   [[nodiscard]] core::Status write_real(int number, double value) override;
+  [[nodiscard]] core::Status write_string(int number, const std::string& value) override;
   [[nodiscard]] core::Status write_position_variable(int number, const VariablePosition& position) override;
-
-  /// Contacts come in groups of eight: `first` ends in 0; bit n of a byte is contact first + n (of the next ten: +10).
   [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_contacts(int first, int groups) override;
-  /// Network inputs only, see section 1.6.
   [[nodiscard]] core::Status write_contacts(int first, const std::vector<std::uint8_t>& groups) override;
 
   [[nodiscard]] core::Status hold(bool on) override;
   [[nodiscard]] core::Status reset_alarm() override;
   [[nodiscard]] core::Status cancel_error() override;
   [[nodiscard]] core::Status servo(bool on) override;
+  [[nodiscard]] core::Status set_cycle(Cycle cycle) override;
+  [[nodiscard]] core::Status show_message(const std::string& text) override;
+  [[nodiscard]] core::Status select_job(const std::string& job, int line) override;
+  [[nodiscard]] core::Status set_master_job(const std::string& job) override;
   [[nodiscard]] core::Status start_job(const std::string& job) override;
   [[nodiscard]] core::Status move(const DirectMove& move) override;
-  /// The greeting.
-  [[nodiscard]] core::Result<std::string> identity() override { return banner_; }
+  /// Joint moves only: usage for a line.
+  [[nodiscard]] core::Status move_pulses(const PulseMove& move) override;
   [[nodiscard]] core::Result<std::vector<std::string>> list_jobs() override;
-  /// This protocol carries no files: usage.
-  [[nodiscard]] core::Result<std::string> read_job_text(const std::string& job) override;
-  [[nodiscard]] core::Status write_job_text(const std::string& job, const std::string& text) override;
   [[nodiscard]] core::Status delete_job(const std::string& job) override;
 
-  // what other protocols do otherwise
+  // what other protocols do not have
   /// true: play, false: teach. Needs external mode switching permitted.
   [[nodiscard]] core::Status set_mode(bool play);
-  /// 1 step, 2 one cycle, 3 continuous.
-  [[nodiscard]] core::Status set_cycle(int mode);
   /// Locks pendant and I/O operation, emergency stop excepted.
   [[nodiscard]] core::Status lock_pendant(bool on);
-  /// At most 30 bytes; more throw std::invalid_argument.
-  [[nodiscard]] core::Status show_message(const std::string& text);
-  /// Selects without starting; line 0..9999.
-  [[nodiscard]] core::Status select_job(const std::string& job, int line);
-  [[nodiscard]] core::Status set_master_job(const std::string& job);
+  /// RUFRAME: the data line as it comes; how its fields are laid out nobody has published. User frame 1-64.
+  [[nodiscard]] core::Result<std::string> read_user_frame(int number);
+
+ protected:
+  [[nodiscard]] std::string instead() const override {
+    return "use an hses:// link; files also come from a card or by FTP";
+  }
 
  private:
   enum class Kind { read, control };
@@ -102,7 +103,6 @@ class Tcp80Client final : public ControllerLink {
   [[nodiscard]] core::Result<std::string> line(WallDeadline deadline);
   [[nodiscard]] core::Status control(const std::string& command, const std::string& operands);
   void remember(char direction, std::string_view text);
-  core::Error with_trail(core::Error error) const;
   core::Error refusal(const std::string& command, const std::string& answer) const;
 
   Tcp80Settings settings_;
@@ -111,7 +111,7 @@ class Tcp80Client final : public ControllerLink {
   std::string banner_;
   bool open_ = false;  ///< a session is open, or one command at a time is what the controller grants
   bool keep_alive_ = false;
-  std::deque<std::string> trail_;
+  Trail trail_;
 };
 
 }  // namespace pickcell::robot

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <functional>
 #include <thread>
 
 namespace pickcell::robot {
@@ -288,6 +289,95 @@ TEST(Tcp80Client, ContactsAreReadAndWrittenInGroupsOfEight) {
   ASSERT_TRUE(client.connect());
   EXPECT_THAT(client.read_contacts(27010, 2).value(), ElementsAre(5, 255));
   EXPECT_TRUE(client.write_contacts(27010, {1}));
+}
+
+/// Sections 1.3 to 1.6, command by command: what is sent is written out from the reference. The size counts the CR.
+TEST(Tcp80Client, EveryCommandOfTheReference) {
+  struct Row {
+    std::string command, operands, answer;
+    std::function<bool(Tcp80Client&)> call;
+  };
+  using C = Tcp80Client&;
+  DirectMove move{DirectMove::Kind::joint, 2.5, false, {}};
+  move.target.x_mm = 300, move.target.rx_deg = 180, move.target.form.back = true, move.target.tool = 1;
+  DirectMove line = move, turn = move, by = move;
+  line.kind = DirectMove::Kind::line, turn.kind = DirectMove::Kind::line, turn.turning = true;
+  by.kind = DirectMove::Kind::line_by;
+  const std::string place = "0,300.000,0.000,0.000,180.0000,0.0000,0.0000,4,1,0,0,0,0,0,0";
+  const std::string done = "0000\r\n";
+  const std::vector<Row> rows = {
+      {"RALARM", "", "0,0,4107,3,0,0,0,0,0,0\r", [](C c) { return c.read_alarms()->at(0).code == 4107; }},
+      {"RSTATS", "", "202,64\r", [](C c) { return c.read_status()->running; }},
+      {"RPOSJ", "", "1,2,3,4,5,6,0,0,0,0,0,0\r", [](C c) { return c.read_pulses()->at(5) == 6; }},
+      {"RPOSC", "3,0", "1.000,2.000,3.000,180.0000,0.0000,0.0000,0,1\r",
+       [](C c) { return c.read_position(3)->frame == 3; }},
+      {"RJSEQ", "", "VISPICK,12,3\r", [](C c) { return c.read_job()->line == 12; }},
+      {"RJDIR", "*", "A,B\r", [](C c) { return c.list_jobs()->size() == 2; }},
+      {"RUFRAME", "2", "1,2,3\r", [](C c) { return c.read_user_frame(2).value() == "1,2,3"; }},
+      {"SAVEV", "0,99", "255\r", [](C c) { return c.read_integer(VariableType::byte, 99).value() == 255; }},
+      {"SAVEV", "1,10", "-2\r", [](C c) { return c.read_integer(VariableType::integer, 10).value() == -2; }},
+      {"SAVEV", "3,3", "1.500000\r", [](C c) { return c.read_real(3).value() == 1.5; }},
+      {"SAVEV", "4,10", "0,1,2,3,4,5,6,1\r",
+       [](C c) { return std::holds_alternative<PulsePosition>(c.read_position_variable(10).value()); }},
+      {"SAVEV", "7,5", "A TEXT, OF SORTS\r", [](C c) { return c.read_string(5).value() == "A TEXT, OF SORTS"; }},
+      {"IOREAD", "10,8", "129\r", [](C c) { return c.read_contacts(10, 1)->at(0) == 129; }},
+      {"LOADV", "2,13,1000000", done,
+       [](C c) { return c.write_integer(VariableType::double_integer, 13, 1000000).has_value(); }},
+      {"LOADV", "3,3,1.500000", done, [](C c) { return c.write_real(3, 1.5).has_value(); }},
+      {"LOADV", "7,5,AB", done, [](C c) { return c.write_string(5, "AB").has_value(); }},
+      {"LOADV", "4,10,1,0,300.000,0.000,0.000,180.0000,0.0000,0.0000,4,1", done,
+       [=](C c) { return c.write_position_variable(10, move.target).has_value(); }},
+      {"IOWRITE", "27010,16,1,128", done, [](C c) { return c.write_contacts(27010, {1, 128}).has_value(); }},
+      {"HOLD", "0", done, [](C c) { return c.hold(false).has_value(); }},
+      {"RESET", "", done, [](C c) { return c.reset_alarm().has_value(); }},
+      {"CANCEL", "", done, [](C c) { return c.cancel_error().has_value(); }},
+      {"SVON", "1", done, [](C c) { return c.servo(true).has_value(); }},
+      {"MODE", "2", done, [](C c) { return c.set_mode(true).has_value(); }},
+      {"CYCLE", "2", done, [](C c) { return c.set_cycle(Cycle::one_cycle).has_value(); }},
+      {"HLOCK", "1", done, [](C c) { return c.lock_pendant(true).has_value(); }},
+      {"MDSP", "Hello, you", done, [](C c) { return c.show_message("Hello, you").has_value(); }},
+      {"JSEQ", "A,7", done, [](C c) { return c.select_job("A", 7).has_value(); }},
+      {"SETMJ", "A", done, [](C c) { return c.set_master_job("A").has_value(); }},
+      {"DELETE", "A", done, [](C c) { return c.delete_job("A").has_value(); }},
+      {"MOVJ", "2.50," + place, done, [=](C c) { return c.move(move).has_value(); }},
+      {"MOVL", "0,2.5," + place, done, [=](C c) { return c.move(line).has_value(); }},
+      {"MOVL", "1,2.5," + place, done, [=](C c) { return c.move(turn).has_value(); }},
+      {"IMOV", "0,2.5," + place, done, [=](C c) { return c.move(by).has_value(); }},
+      {"PMOVJ", "2.50,1000,-1000,0,0,0,0,0,0,0,0,0,0,1", done,
+       [](C c) { return c.move_pulses({false, 2.5, {{1000, -1000, 0, 0, 0, 0}, 1}}).has_value(); }},
+  };
+  Connection session{{kHello}};
+  for (const Row& row : rows) {
+    const std::size_t size = row.operands.empty() ? 0 : row.operands.size() + 1;
+    const std::string header = "HOSTCTRL_REQUEST " + row.command + ' ' + std::to_string(size) + "\r\n";
+    const std::string ok = "OK: " + row.command + "\r\n";
+    if (size == 0) {
+      session.steps.push_back({header, {ok, row.answer}});
+    } else {
+      session.steps.push_back({header, {ok}});
+      session.steps.push_back({row.operands + '\r', {row.answer}});
+    }
+  }
+  ScriptedServer server({session});
+  Tcp80Client client(server.settings());
+  ASSERT_TRUE(client.connect());
+  for (const Row& row : rows) EXPECT_TRUE(row.call(client)) << row.command << ' ' << row.operands;
+  client.disconnect();
+  EXPECT_EQ(server.finish(), "");
+}
+
+TEST(Tcp80Client, OperandsCannotBeginAnotherCommand) {
+  ScriptedServer server({{{kHello}}});
+  Tcp80Client client(server.settings());
+  ASSERT_TRUE(client.connect());
+  EXPECT_EQ(client.start_job("A\rHOSTCTRL_REQUEST SVON 2").error().code, ErrorCode::usage);
+  EXPECT_EQ(client.show_message("A\nB").error().code, ErrorCode::usage);
+  EXPECT_THROW((void)client.write_string(1, "A\r"), std::invalid_argument);
+  EXPECT_EQ(client.move_pulses({true, 5, {}}).error().code, ErrorCode::usage) << "PMOVL: nobody knows its operands";
+  EXPECT_EQ(client.read_register(1).error().code, ErrorCode::usage);
+  EXPECT_THAT(client.read_job_text("A").error().line(), HasSubstr("TCP port 80 has no files; use an hses:// link"));
+  client.disconnect();
+  EXPECT_EQ(server.finish(), "");
 }
 
 }  // namespace

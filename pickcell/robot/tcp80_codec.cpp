@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace pickcell::robot {
 
@@ -72,6 +73,15 @@ void append_fixed(std::string& out, double value, int decimals) {
   const auto [end, problem] = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals);
   if (problem != std::errc{}) throw std::invalid_argument("a position is too large");
   out.append(text, end);
+}
+
+void check_numbers(int tool, int frame) {
+  if (tool < 0 || tool > kMaxTool) throw std::invalid_argument("tool number outside 0..63");
+  if (frame < 0 || frame > kMaxFrame) throw std::invalid_argument("frame number outside 0..65");
+}
+
+void check_speed(double speed) {
+  if (!(speed > 0)) throw std::invalid_argument("no speed for a move");
 }
 
 void read_pose(Reader& reader, CartesianPosition& p, bool seven_axes) {
@@ -159,11 +169,23 @@ std::string tcp80_write_real(int number, double value) {
   return out;
 }
 
+std::string tcp80_write_string(int number, std::string_view value) {
+  constexpr std::size_t kMostBytes = 32;
+  if (value.size() > kMostBytes || value.find_first_of(std::string_view("\r\n\0", 3)) != std::string_view::npos)
+    throw std::invalid_argument("a string has at most 32 bytes and no line ends");
+  return tcp80_read_variable(VariableType::string, number) + ',' + std::string(value);
+}
+
 std::string tcp80_write_position(int number, const VariablePosition& position) {
+  const auto* cartesian = std::get_if<CartesianPosition>(&position);
+  check_numbers(std::visit([](const auto& any) { return any.tool; }, position),
+                cartesian ? cartesian->frame : kBaseFrame);
   return tcp80_read_variable(VariableType::position, number) + ',' + tcp80_position_fields(position);
 }
 
 Tcp80Move tcp80_move(const DirectMove& move) {
+  check_speed(move.speed);
+  check_numbers(move.target.tool, move.target.frame);
   const bool joint = move.kind == DirectMove::Kind::joint;
   std::string operands;
   if (!joint) operands = move.turning ? "1," : "0,";  // VR deg/s, V mm/s
@@ -175,6 +197,17 @@ Tcp80Move tcp80_move(const DirectMove& move) {
   if (p.re_deg) append_fixed(operands += ',', *p.re_deg, 4);
   operands += ',' + std::to_string(tcp80_form(p.form)) + ',' + std::to_string(p.tool) + ",0,0,0,0,0,0";
   return {joint ? "MOVJ" : move.kind == DirectMove::Kind::line ? "MOVL" : "IMOV", std::move(operands)};
+}
+
+Tcp80Move tcp80_move(const PulseMove& move) {
+  if (move.line) throw std::invalid_argument("TCP port 80: the operands of PMOVL are not known");
+  check_speed(move.speed);
+  check_numbers(move.target.tool, kBaseFrame);
+  std::string operands;
+  append_fixed(operands, move.speed, 2);
+  for (const std::int32_t pulse : move.target.pulses) operands += ',' + std::to_string(pulse);
+  operands += ",0,0,0,0,0,0," + std::to_string(move.target.tool);
+  return {"PMOVJ", std::move(operands)};
 }
 
 std::string tcp80_position_fields(const VariablePosition& position) {

@@ -66,16 +66,22 @@ struct Tcp80Request {
 };
 [[nodiscard]] Tcp80Request tcp80_request(std::string_view command, std::string_view operands = {});
 
-/// Operands. Numbers are the caller's; positions must be finite (throws std::invalid_argument).
+/// Operands. Numbers are the caller's; positions must be finite, tools within 0-63 and frames within 0-65 where they
+/// are written or moved to, speeds above 0 (else std::invalid_argument).
 [[nodiscard]] std::string tcp80_read_variable(VariableType type, int number);
 [[nodiscard]] std::string tcp80_write_integer(VariableType type, int number, std::int32_t value);
 [[nodiscard]] std::string tcp80_write_real(int number, double value);
+/// At most 32 bytes, without line ends; others throw std::invalid_argument.
+[[nodiscard]] std::string tcp80_write_string(int number, std::string_view value);
 [[nodiscard]] std::string tcp80_write_position(int number, const VariablePosition& position);
 /// A direct move as command and operands (section 1.5): MOVJ speed %, MOVL and IMOV speed in mm/s; no external axes.
 struct Tcp80Move {
   std::string command, operands;
 };
 [[nodiscard]] Tcp80Move tcp80_move(const DirectMove& move);
+/// PMOVJ: speed %, twelve pulse values, tool. A line (PMOVL) has no layout that anybody has published: throws
+/// std::invalid_argument.
+[[nodiscard]] Tcp80Move tcp80_move(const PulseMove& move);
 /// The fields of a position as they stand in LOADV and SAVEV.
 [[nodiscard]] std::string tcp80_position_fields(const VariablePosition& position);
 

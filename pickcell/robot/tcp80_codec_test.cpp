@@ -134,6 +134,18 @@ TEST(Tcp80Variables, APositionThatIsNoNumberIsNeverWritten) {
   EXPECT_THROW((void)tcp80_position_fields(p), std::invalid_argument);
 }
 
+TEST(Tcp80Variables, ToolFrameAndSpeedThatCannotBeAreNeverSent) {
+  CartesianPosition p;
+  for (const auto& [tool, frame] : {std::pair{-1, 0}, {64, 0}, {1, -1}, {1, 66}}) {
+    p.tool = tool, p.frame = frame;
+    EXPECT_THROW((void)tcp80_write_position(10, p), std::invalid_argument) << tool << ' ' << frame;
+    EXPECT_THROW((void)tcp80_move(DirectMove{DirectMove::Kind::joint, 1, false, p}), std::invalid_argument);
+  }
+  for (const double speed : {0.0, -1.0, std::nan("")})
+    EXPECT_THROW((void)tcp80_move(DirectMove{DirectMove::Kind::line, speed, false, {}}), std::invalid_argument);
+  EXPECT_THROW((void)tcp80_move(PulseMove{false, 1, {{}, 64}}), std::invalid_argument);
+}
+
 TEST(Tcp80Variables, PositionsComeBackAsWritten) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> mm(-2000, 2000), deg(-180, 180);

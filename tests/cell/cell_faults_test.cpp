@@ -1,6 +1,7 @@
 /// Faults between cell and controller: the cell stops in a known state, says why, goes on after the operator resets; no
 /// part is picked twice or lost from the record.
 
+#include <atomic>
 #include <set>
 
 #include "demo_cell.hpp"
@@ -193,6 +194,103 @@ TEST_F(CellFaults, EmergencyStopMidPick) {
   reset_start_finish(2);
   expect_nothing_lost_or_doubled();
 }
+
+/// What a person or a machine does to the controller in the middle of a pick, and how it is put right again.
+struct Stop {
+  std::string what, code, remedy;  ///< the alarm's code; what its remedy must name
+  std::function<void(sim::Controller&)> done, undone;
+};
+
+std::vector<Stop> stops() {
+  using State = sim::ControllerState;
+  const auto on = [](void (*change)(State&)) { return [change](sim::Controller& c) { c.with_state(change); }; };
+  const auto nothing = [](sim::Controller&) {};
+  return {
+      {"HOLD on the pendant", "ROBOT_HELD", "release HOLD", on([](State& s) { s.hold_pendant = true; }),
+       on([](State& s) { s.hold_pendant = false; })},
+      {"external hold", "ROBOT_HELD", "light curtain", on([](State& s) { s.hold_external = true; }),
+       on([](State& s) { s.hold_external = false; })},
+      {"hold by command", "ROBOT_HELD", "Reset", on([](State& s) { s.hold_command = true; }), nothing},
+      {"key turned to teach", "ROBOT_TEACH", "key", on([](State& s) { s.turn_key_to_teach(); }),
+       on([](State& s) { s.turn_key_to_remote(); })},
+      {"command remote gone", "ROBOT_NOT_REMOTE", "REMOTE", on([](State& s) { s.remote = false; }),
+       on([](State& s) { s.remote = true; })},
+      {"emergency stop", "", "", on([](State& s) { s.press_emergency_stop(); }), on([](State& s) {
+         s.release_emergency_stop();
+         s.reset_at_pendant();
+       })},
+      {"alarm", "ROBOT_ALARM", "remove the cause", on([](State& s) { s.raise_alarm({4107, 0, "OUT OF RANGE"}); }),
+       nothing},
+      {"servo off", "ROBOT_SERVO_OFF", "emergency stop", on([](State& s) { s.servo = false; }), nothing},
+      {"link lost", "LINK_LOST", "", [](sim::Controller& c) { c.kill(); },
+       [](sim::Controller& c) { EXPECT_TRUE(c.revive()); }},
+  };
+}
+
+class StopsAreSeen : public CellFaults, public ::testing::WithParamInterface<cli::RobotProtocol> {
+ protected:
+  /// Reset, twice where a person must have looked first.
+  void reset() {
+    for (int tries = 0; tries < 3; ++tries) {
+      const auto before = setup_.cell->snapshot();
+      ASSERT_TRUE(setup_.cell->reset());
+      const Snapshot after = wait([&](const Snapshot& s) {
+        return (s.mode == Mode::idle && s.step == "ready") ||
+               (s.mode == Mode::fault && s.revision > before.revision + 1 && s.step == "stopped by a fault");
+      });
+      if (after.mode == Mode::idle) return;
+    }
+    FAIL() << setup_.cell->snapshot().reason;
+  }
+};
+
+TEST_P(StopsAreSeen, Within200MsWithTheRemedyAndTheCellGoesOn) {
+  const std::vector<Stop> all = stops();
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> done = false;
+  core::TimePoint done_at{};
+  set_up(1000, 1, GetParam());
+  core::TimePoint seen_at{};
+  each_change = [&](const Snapshot& s) {
+    if (done && s.mode == Mode::fault && seen_at < done_at) seen_at = setup_.clock->now();
+    if (done || next >= all.size() || s.mode != Mode::running || !s.step.starts_with("picking")) return;
+    const sim::ControllerState state = setup_.plant->controller->copy_of_state();
+    if (state.D[12] != state.D[10] || state.D[11] == state.D[10]) return;  // not accepted yet, or ended
+    done_at = setup_.clock->now();
+    all[next].done(*setup_.plant->controller);
+    done = true;
+  };
+  setup_.cell->open();
+  for (const Stop& stop : all) {
+    SCOPED_TRACE(stop.what);
+    const Snapshot fault = wait_fault();
+    const double ms = core::seconds(seen_at - done_at) * 1e3;
+    RecordProperty("ms_" + std::to_string(next), std::to_string(ms));
+    EXPECT_GE(ms, 0);
+    EXPECT_LE(ms, 200);
+    ASSERT_FALSE(fault.alarms.empty());
+    if (!stop.code.empty()) EXPECT_EQ(fault.alarms.front().code, stop.code) << fault.reason;
+    EXPECT_NE(fault.remedy.find(stop.remedy), std::string::npos) << fault.remedy;
+    EXPECT_FALSE(fault.reason.empty() || fault.remedy.empty());
+    stop.undone(*setup_.plant->controller);
+    reset();
+    ++next;
+    done = false;
+    auto started = setup_.cell->start();
+    ASSERT_TRUE(started) << started.error().line();
+  }
+  const std::int64_t placed = setup_.cell->snapshot().counters.placed;
+  wait([&](const Snapshot& s) { return s.counters.placed > placed || s.mode == Mode::fault; });
+  EXPECT_EQ(setup_.cell->snapshot().mode, Mode::running) << setup_.cell->snapshot().reason;
+  setup_.cell->stop_cycle().value();
+  wait([](const Snapshot& s) { return s.mode == Mode::idle || s.mode == Mode::fault; });
+  expect_nothing_lost_or_doubled();
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, StopsAreSeen, ::testing::Values(cli::RobotProtocol::tcp80, cli::RobotProtocol::hses),
+                         [](const auto& over) {
+                           return std::string(over.param == cli::RobotProtocol::hses ? "Hses" : "Tcp80");
+                         });
 
 }  // namespace
 }  // namespace pickcell

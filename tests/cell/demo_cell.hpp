@@ -43,10 +43,11 @@ class DemoCell : public ::testing::Test {
   }
 
   /// Puts the cell together; it starts by itself when opened.
-  void set_up(std::int64_t picks, std::uint64_t seed = 1) {
+  void set_up(std::int64_t picks, std::uint64_t seed = 1, cli::RobotProtocol protocol = cli::RobotProtocol::tcp80) {
     auto file = cli::load_cell_file(folder_ / "CELL.toml");
     ASSERT_TRUE(file) << file.error().line();
     file->sim.seed = seed;
+    file->sim.protocol = protocol;
     auto made = cli::set_up_cell(*file, {picks});
     ASSERT_TRUE(made) << made.error().line();
     setup_ = std::move(*made);

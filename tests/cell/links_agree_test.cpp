@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "pickcell/robot/hses_client.hpp"
@@ -88,6 +89,12 @@ TEST_F(LinksAgree, OnEveryVariableThatEitherWrites) {
     EXPECT_EQ(reader.read_integer(VariableType::byte, n).value(), byte);
     EXPECT_EQ(reader.read_integer(VariableType::integer, n).value(), word);
     EXPECT_EQ(reader.read_integer(VariableType::double_integer, n).value(), number);
+    const double real = static_cast<float>(mm(random));
+    ASSERT_TRUE(writer.write_real(n, real));
+    EXPECT_NEAR(reader.read_real(n).value(), real, 1e-4);
+    const std::string text = "S " + std::to_string(number);
+    ASSERT_TRUE(writer.write_string(n, text));
+    EXPECT_EQ(reader.read_string(n).value(), text);
     CartesianPosition p;
     p.frame = static_cast<int>(random() % 66);
     p.x_mm = mm(random), p.y_mm = mm(random), p.z_mm = mm(random);
@@ -102,6 +109,37 @@ TEST_F(LinksAgree, OnEveryVariableThatEitherWrites) {
     ASSERT_TRUE(writer.write_contacts(27010, {static_cast<std::uint8_t>(byte), 1}));
     EXPECT_EQ(reader.read_contacts(27010, 2).value(), (std::vector<std::uint8_t>{static_cast<std::uint8_t>(byte), 1}));
   }
+}
+
+TEST_F(LinksAgree, SinglesAndPluralsOfEveryKind) {
+  using Axes = robot::HsesVariables::Axes;
+  robot::HsesVariables& v = hses_->variables();
+  ASSERT_TRUE(v.write_integers(VariableType::byte, 40, {1, 2, 3, 255}));
+  EXPECT_EQ(tcp_->read_integer(VariableType::byte, 43).value(), 255);
+  EXPECT_EQ(v.read_integers(VariableType::byte, 40, 4).value(), (std::vector<std::int32_t>{1, 2, 3, 255}));
+  ASSERT_TRUE(tcp_->write_integer(VariableType::integer, 41, -7));
+  EXPECT_EQ(v.read_integers(VariableType::integer, 40, 2)->at(1), -7);
+  ASSERT_TRUE(v.write_integers(VariableType::double_integer, 40, {100000, -100000}));
+  EXPECT_EQ(tcp_->read_integer(VariableType::double_integer, 41).value(), -100000);
+  ASSERT_TRUE(v.write_reals(40, {1.5, -0.25}));
+  EXPECT_EQ(tcp_->read_real(41).value(), -0.25);
+  ASSERT_TRUE(v.write_strings(40, {"A", "B"}));
+  EXPECT_EQ(tcp_->read_string(41).value(), "B");
+  CartesianPosition p;
+  p.x_mm = 300, p.tool = 1;
+  ASSERT_TRUE(tcp_->write_position_variable(40, p));
+  EXPECT_EQ(v.read_positions(40, 1)->at(0), robot::hses_position(p));
+  ASSERT_TRUE(v.write_positions(41, {robot::hses_position(p)}));
+  EXPECT_EQ(std::get<CartesianPosition>(tcp_->read_position_variable(41).value()), p);
+  ASSERT_TRUE(v.write_registers(40, {7, 65535}));
+  EXPECT_EQ(hses_->read_register(41).value(), 65535);
+  ASSERT_TRUE(v.write_groups(2701, {1, 128}));
+  EXPECT_EQ(tcp_->read_contacts(27010, 2).value(), (std::vector<std::uint8_t>{1, 128}));
+  for (const Axes which : {Axes::base, Axes::station}) {
+    ASSERT_TRUE(v.write_axes(which, 3, {0, {1, 2, 3}}));
+    EXPECT_EQ(v.read_many_axes(which, 3, 1)->at(0), (robot::HsesAxesPosition{0, {1, 2, 3}}));
+  }
+  EXPECT_FALSE(v.read_integers(VariableType::byte, 98, 4)) << "beyond the last";
 }
 
 TEST_F(LinksAgree, OnTheStateThroughRunHoldAlarmAndKey) {
@@ -143,6 +181,18 @@ TEST_F(LinksAgree, OnAMoveThatEitherOrders) {
     expect_same_state();
   }
   EXPECT_NEAR(hses_->read_position(0)->z_mm, 255, 0.002);
+  // and in pulses
+  for (ControllerLink* link : links) {
+    robot::PulseMove back{false, 5, {}};
+    const std::vector<std::int32_t> now = link->read_pulses().value();
+    std::copy_n(now.begin(), 6, back.target.pulses.begin());
+    back.target.pulses[0] += link == links[0] ? 2000 : -2000;
+    back.target.tool = 1;
+    ASSERT_TRUE(link->move_pulses(back));
+    seat_->sleep_for(std::chrono::seconds(5));
+    expect_same_state();
+    EXPECT_NEAR(link->read_pulses()->at(0), back.target.pulses[0], 1);
+  }
 }
 
 TEST_F(LinksAgree, OnAJobThatWasLoaded) {

@@ -256,20 +256,22 @@ TEST_P(RobotAndController, TheJobRefusesWhatIsOutsideItsOwnWindow) {
   EXPECT_TRUE(plant_.acts().empty());
 }
 
-TEST_P(RobotAndController, AWithdrawnPickIsNeverStarted) {
+TEST_P(RobotAndController, APickNotTakenYetIsWithdrawnByConnectingAnew) {
   ASSERT_TRUE(ready());
   ASSERT_TRUE(robot_->submit(pick(0)));  // simulated time stands still: the job has not looked yet
-  const auto outcome = robot_->withdraw(*seat_);
-  ASSERT_TRUE(outcome) << outcome.error().line();
-  EXPECT_EQ(outcome->kind, OutcomeKind::not_started);
+  ASSERT_TRUE(robot_->connect(*seat_));
+  auto settled = robot_->take_settled();
+  ASSERT_EQ(settled.size(), 1u);
+  EXPECT_EQ(settled[0].kind, OutcomeKind::not_started);
   EXPECT_TRUE(plant_.acts().empty());
   ASSERT_TRUE(robot_->submit(pick(0)));
   EXPECT_EQ(wait()->kind, OutcomeKind::done);
   ASSERT_TRUE(robot_->submit(pick(1)));
   until_acts(3);  // taken: then it runs to its end
-  const auto too_late = robot_->withdraw(*seat_);
-  ASSERT_TRUE(too_late) << too_late.error().line();
-  EXPECT_EQ(too_late->kind, OutcomeKind::done);
+  ASSERT_TRUE(robot_->connect(*seat_));
+  settled = robot_->take_settled();
+  ASSERT_EQ(settled.size(), 1u);
+  EXPECT_EQ(settled[0].kind, OutcomeKind::done);
   EXPECT_EQ(plant_.acts().size(), 4u);
 }
 

@@ -176,6 +176,9 @@ TEST(RandomMessages, Hses) {
     same_again(parse_hses_position(payload), &parse_hses_position);
     same_again(parse_hses_system(payload), &parse_hses_system);
     same_again(parse_hses_time(payload), &parse_hses_time);
+    same_again(parse_hses_axes_position(payload), &parse_hses_axes_position);
+    (void)parse_hses_string(payload);
+    (void)parse_hses_plural(payload, static_cast<std::uint16_t>(0x300 + noise.below(11)), noise.below(30));
     if (const auto p = parse_hses_position(payload)) (void)variable_position(*p);
     (void)parse_hses_move(payload);
     (void)parse_hses_pulse_move(payload);
@@ -189,8 +192,8 @@ TEST(RandomMessages, Hses) {
 TEST(RandomMessages, MotoRos) {
   Noise noise(50240);
   int understood = 0;
-  constexpr std::int32_t kTypes[] = {1, 13, 14, 15, 2001, 2002, 2003, 2004, 2005, 2006, 2011, 2016, 2017, 2018};
-  constexpr std::uint32_t kWords[] = {0, 7, 34, 33, 13, 15, 1, 2, 2, 1, 2, 134, 133, 3};
+  constexpr std::int32_t kTypes[] = {1, 13, 14, 15, 2001, 2002, 2003, 2004, 2005, 2006, 2011, 2016, 2017, 2018, 2020};
+  constexpr std::uint32_t kWords[] = {0, 7, 34, 33, 13, 15, 1, 2, 2, 1, 2, 134, 133, 3, 128};
   for (int n = 0; n < kMessages; ++n) {
     const ByteOrder order = noise.coin() ? ByteOrder::big : ByteOrder::little;
     const std::uint32_t which = noise.below(std::size(kTypes));
@@ -208,6 +211,7 @@ TEST(RandomMessages, MotoRos) {
       (void)parse_moto_status(f), (void)parse_moto_feedback(f), (void)parse_moto_feedback_ex(f);
       (void)parse_moto_point(f), (void)parse_moto_point_ex(f), (void)parse_moto_command(f);
       (void)parse_moto_reply(f), (void)parse_moto_select_tool(f), (void)parse_moto_io_refusal(f);
+      (void)parse_moto_dh_parameters(f);
       (void)parse_moto_address(f, f.type), (void)parse_moto_write(f, f.type), (void)parse_moto_value(f, f.type);
       MotoFrameSplitter again(order);
       again.feed(moto_bytes(f, order));

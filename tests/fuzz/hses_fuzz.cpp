@@ -21,6 +21,10 @@ void parse_payload(HsesView payload) {
   (void)parse_hses_axes(payload);
   (void)parse_hses_plural(payload, kHsesPluralB, 2);
   (void)parse_hses_plural(payload, kHsesPluralP, 1);
+  if (const auto text = parse_hses_string(payload))
+    if (text->size() > payload.size()) std::abort();
+  if (const auto axes = parse_hses_axes_position(payload))
+    if (parse_hses_axes_position(hses_payload(*axes)).value() != *axes) std::abort();
   (void)parse_hses_file_list({reinterpret_cast<const char*>(payload.data()), payload.size()});
   if (const auto move = parse_hses_move(payload)) {
     const auto again = parse_hses_move(hses_move(HsesMoveKind::line, *move).payload);

@@ -41,6 +41,7 @@ void parse(const MotoFrame& f) {
   same_again(parse_moto_reply(f), f);
   same_again(parse_moto_select_tool(f), f);
   same_again(parse_moto_io_refusal(f), f);
+  same_again(parse_moto_dh_parameters(f), f);
   same_again(parse_moto_address(f, f.type), f, f.type);
   same_again(parse_moto_write(f, f.type), f, f.type);
   same_again(parse_moto_value(f, f.type), f, f.type);
