@@ -43,7 +43,10 @@ class Soak {
       const int parts = report_.parts;
       if (auto gone_on = step(); !gone_on) return core::forward(gone_on);
       if (report_.parts != parts) progress = person_->now();
-      if (core::seconds(person_->now() - progress) > kLongestStandstill_s) return core::forward(stuck());
+      if (core::seconds(person_->now() - progress) > kLongestStandstill_s) {
+        auto standstill = stuck();
+        return core::forward(standstill);
+      }
       if (options_.progress && report_.parts / 100 > told) options_.progress(100 * (told = report_.parts / 100));
     }
     if (auto ended = finish(); !ended) return core::forward(ended);
@@ -117,8 +120,10 @@ class Soak {
     submitted_seen_ = 0;
     remove_old_runs();
     setup_.cell->open();
-    const Snapshot s = wait_until([](const Snapshot& now) { return now.mode != Mode::idle; });
-    return s.mode == Mode::fault ? recover() : core::Status{};
+    const Snapshot s = wait_until(decided);
+    if (s.mode != Mode::fault) return {};
+    expect_words(s, s.reason);
+    return recover();
   }
 
   core::Status restart() {
@@ -228,7 +233,8 @@ class Soak {
     const bool stays = fault_ == SoakFault::estop || fault_ == SoakFault::teach || fault_ == SoakFault::hold;
     if (stays && dice_.chance(0.3) && setup_.cell->reset()) {
       wait_for_reset();
-      if (setup_.cell->start()) finding(report_.forbidden_motions, "started in spite of " + stop.code);
+      if (setup_.cell->start() && wait_until(decided).mode == Mode::running)
+        finding(report_.forbidden_motions, "started in spite of " + stop.code);
     }
     person_->sleep_for(1s);
     if (!controller().copy_of_state().q.isApprox(before, 1e-9))
@@ -243,7 +249,7 @@ class Soak {
       s.hold_pendant = false;
       s.release_emergency_stop();
       s.reset_at_pendant();
-      s.turn_key_to_remote();
+      if (!s.remote) s.turn_key_to_remote();  // which switches the servo off
     });
   }
 
@@ -262,9 +268,7 @@ class Soak {
         expect_words(setup_.cell->snapshot(), started.error().line());
         continue;
       }
-      const Snapshot s = wait_until([](const Snapshot& now) {
-        return now.mode == Mode::fault || (now.mode == Mode::running && now.step != "starting the robot's job");
-      });
+      const Snapshot s = wait_until(decided);
       if (s.mode == Mode::running) return {};
       expect_words(s, s.reason);
     }
@@ -281,6 +285,11 @@ class Soak {
     if (!told.empty() && (s.mode != Mode::fault || (!s.reason.empty() && !s.remedy.empty()))) return;
     ++report_.stops;
     report_.note("no reason or remedy while starting: " + s.reason);
+  }
+
+  /// Start has led to something.
+  static bool decided(const Snapshot& s) {
+    return s.mode == Mode::fault || (s.mode == Mode::running && s.step != "starting the robot's job");
   }
 
   template <class Condition>
