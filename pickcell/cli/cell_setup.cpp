@@ -108,7 +108,7 @@ sim::CameraSettings camera_settings(const SimulationConfig& config, const std::s
   return settings;
 }
 
-core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
+core::Status switch_on_controller(CellSetup& setup, const CellFile& file, const CellRunOptions& options) {
   sim::ControllerSettings settings;
   settings.segment_pause_s = file.sim.segment_pause_s;
   auto job = job_for(file.cell);
@@ -116,36 +116,42 @@ core::Status switch_on_controller(CellSetup& setup, const CellFile& file) {
   settings.jobs = sim::shipped_jobs();
   settings.jobs.front() = std::move(*job);
   settings.model = *sim::arm_model(file.cell.robot.model);  // checked at load
-  auto controller = sim::Controller::switch_on(settings, *setup.clock, &setup.plant->world);
+  sim::World& world = setup.plant->world;
+  sim::Plant& wired = options.around_world ? options.around_world(world) : world;
+  auto controller = sim::Controller::switch_on(settings, *setup.clock, &wired);
   if (!controller) return core::forward(controller);
   setup.plant->controller = std::move(*controller);
   return {};
 }
 
-core::Result<RobotAddress> robot_address(CellSetup& setup, const CellFile& file) {
+core::Result<RobotAddress> robot_address(CellSetup& setup, const CellFile& file, const CellRunOptions& options) {
   if (file.cell.robot.link != "sim") return parse_link(file);
-  if (auto on = switch_on_controller(setup, file); !on) return core::forward(on);
+  if (!setup.plant->controller)
+    if (auto on = switch_on_controller(setup, file, options); !on) return core::forward(on);
   const sim::Controller& controller = *setup.plant->controller;
   const bool hses = file.sim.protocol == RobotProtocol::hses;
   return RobotAddress{file.sim.protocol, "127.0.0.1", hses ? controller.hses_port() : controller.tcp80_port()};
 }
 
-core::Status make_robot(CellSetup& setup, const CellFile& file) {
-  auto address = robot_address(setup, file);
+core::Status make_robot(CellSetup& setup, const CellFile& file, const CellRunOptions& options) {
+  auto address = robot_address(setup, file, options);
   if (!address) return core::forward(address);
-  auto link = open_controller_link(*address, file.cell.file.string());
+  using Link = core::Result<std::unique_ptr<robot::ControllerLink>>;
+  Link link = options.open_link ? Link(options.open_link(*setup.plant->controller))
+                                : open_controller_link(*address, file.cell.file.string());
   if (!link) return core::forward(link);
   robot::JobRobotSettings settings;
   settings.frame = file.cell.robot.frame;
   settings.tool = file.cell.robot.tool;
   settings.limits.box_min_mm = file.cell.limits.box_min_mm;
   settings.limits.box_max_mm = file.cell.limits.box_max_mm;
-  auto journal = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
-  if (!journal) return core::forward(journal);
-  setup.journal = std::move(*journal);
+  auto opened = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
+  if (!opened) return core::forward(opened);
+  setup.journal = std::move(*opened);
   if (file.cell.robot.link != "sim")
     if (auto written = write_job(file.cell); !written) return written;
-  setup.robot = std::make_unique<robot::JobRobot>(settings, std::move(*link), *setup.journal, *setup.clock);
+  robot::Journal& journal = options.around_journal ? options.around_journal(*setup.journal) : *setup.journal;
+  setup.robot = std::make_unique<robot::JobRobot>(settings, std::move(*link), journal, *setup.clock);
   return {};
 }
 
@@ -237,6 +243,16 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
     setup.clock = std::make_unique<core::RealClock>();
   if (file.cell.camera.source == "sim" || file.cell.robot.link == "sim")
     setup.plant = std::make_unique<SimulatedPlant>(file.sim, file.cell.camera.id, *setup.clock);
+  if (auto made = restart_pc(setup, file, options); !made) return core::forward(made);
+  return setup;
+}
+
+core::Status restart_pc(CellSetup& setup, const CellFile& file, const CellRunOptions& options) {
+  setup.cell.reset();
+  setup.robot.reset();
+  setup.journal.reset();
+  setup.paced.reset();
+  setup.source.reset();
   // The cell's seat first: simulated time stands still until the cell itself waits.
   auto seat = setup.clock->join("cell");
 
@@ -260,7 +276,7 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
   if (settings.start_at_once && settings.board_is_taken_away)
     return failure(ErrorCode::usage, file.cell.file.string(), "nobody is there to take the board away with --picks",
                    "mount the board in the picture (verify_at_start = \"board_stays\"), or run with the page");
-  if (auto robot = make_robot(setup, file); !robot) return core::forward(robot);
+  if (auto robot = make_robot(setup, file, options); !robot) return core::forward(robot);
   auto log =
       cell::RunLog::create(file.cell.state_dir / "runs",
                            {file.cell.name, std::filesystem::absolute(file.cell.file), (*source)->info().camera_id,
@@ -271,7 +287,7 @@ core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& 
       cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot, std::move(*vision), std::move(*log),
                       setup.journal.get(), std::move(*check)},
       std::move(settings));
-  return setup;
+  return {};
 }
 
 }  // namespace pickcell::cli

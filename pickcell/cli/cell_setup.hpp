@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,6 +64,12 @@ struct CellRunOptions {
   std::int64_t stop_after_picks = 0;  ///< > 0: starts by itself and stands when so many are dealt with
   std::string engine = "best";        ///< of the matcher, with its settings
   matches::Settings engine_settings{};
+
+  // What experiments put between the parts of a wholly simulated cell; empty: nothing. What is returned must outlive
+  // the cell.
+  std::function<std::unique_ptr<robot::ControllerLink>(const sim::Controller&)> open_link{};
+  std::function<robot::Journal&(robot::Journal&)> around_journal{};
+  std::function<sim::Plant&(sim::World&)> around_world{};
 };
 
 /// Everything that lives as long as the cell does. Each member stands on those above it, so it is torn down from the
@@ -86,5 +93,9 @@ struct CellSetup {
 /// calibrations that do not fit the camera, unreadable models, links and sources that cannot be opened. The robot is
 /// not connected yet: cell->open() does that.
 [[nodiscard]] core::Result<CellSetup> set_up_cell(const CellFile& file, const CellRunOptions& options);
+
+/// The PC's part made anew on the same clock and plant, as after a new start of the process: only files survive.
+/// Whoever calls holds a seat on a simulated clock, so that time stands meanwhile.
+[[nodiscard]] core::Status restart_pc(CellSetup& setup, const CellFile& file, const CellRunOptions& options);
 
 }  // namespace pickcell::cli

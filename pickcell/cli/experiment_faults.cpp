@@ -28,6 +28,7 @@ std::string table(const FaultSoakReport& r) {
   line("  refused by the job (nothing gripped, lost on the way)", r.refused);
   line("  unknown: a person was asked to look", r.unknown);
   line("  withdrawn before the arm took them", r.withdrawn);
+  line("pictures searched", r.looks);
   line("picks outside the box, refused before a byte was sent", r.outside_refused);
   line("starts of the PC", r.pc_starts);
   out << "faults injected:\n";
@@ -54,7 +55,10 @@ std::string json(const FaultSoakReport& r, std::uint64_t seed) {
       .set("done", r.done)
       .set("refused", r.refused)
       .set("unknown", r.unknown);
-  line.set("withdrawn", r.withdrawn).set("outside_refused", r.outside_refused).set("pc_starts", r.pc_starts);
+  line.set("withdrawn", r.withdrawn)
+      .set("looks", r.looks)
+      .set("outside_refused", r.outside_refused)
+      .set("pc_starts", r.pc_starts);
   line.set("injected", std::move(injected)).set("stops", r.stops).set("stops_explained", r.stops_explained);
   line.set("executed_twice", r.executed_twice).set("lost", r.lost).set("forbidden_motions", r.forbidden_motions);
   line.set("findings", core::Json(r.findings)).set("simulated_s", r.simulated_s).set("wall_s", r.wall_s);

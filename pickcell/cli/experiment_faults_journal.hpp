@@ -2,29 +2,27 @@
 /// A journal whose process can be made to end at any of its commits.
 
 #include <functional>
-#include <optional>
 #include <utility>
 
 #include "pickcell/robot/journal.hpp"
 
 namespace pickcell::cli {
 
-/// Thrown through the driver in place of the end of the process. Whoever catches it throws driver and journal away.
-struct PcDied {};
-
-/// Passes everything on. At the chosen commit it calls the hook right before or right after it; the hook may throw
-/// PcDied.
+/// Passes everything on. At the chosen commit it calls the hook right before or right after it. When the hook says that
+/// the process ended, neither this commit (before) nor any later one reaches the disk, and whoever commits is told so:
+/// the driver then sends nothing more.
 class MortalJournal final : public robot::Journal {
  public:
   explicit MortalJournal(robot::Journal& journal) : journal_(journal) {}
 
-  /// countdown: 1 = the next commit.
-  void at_commit(int countdown, bool before, std::function<void()> hook) {
+  /// countdown: 1 = the next commit. hook: true when the process ends.
+  void at_commit(int countdown, bool before, std::function<bool()> hook) {
     countdown_ = countdown;
     before_ = before;
     hook_ = std::move(hook);
   }
   void forget() { countdown_ = 0; }
+  [[nodiscard]] bool dead() const { return dead_; }
 
   [[nodiscard]] core::Status record_intent(const robot::JournalRow& row) override {
     return commit([&] { return journal_.record_intent(row); });
@@ -46,17 +44,21 @@ class MortalJournal final : public robot::Journal {
  private:
   template <class Commit>
   core::Status commit(Commit write) {
-    const bool now = countdown_ > 0 && --countdown_ == 0;
-    if (now && before_) std::exchange(hook_, nullptr)();
+    const bool now = !dead_ && countdown_ > 0 && --countdown_ == 0;
+    if (now && before_) dead_ = std::exchange(hook_, nullptr)();
+    if (dead_) return ended();
     auto written = write();
-    if (now && !before_) std::exchange(hook_, nullptr)();
-    return written;
+    if (now && !before_) dead_ = std::exchange(hook_, nullptr)();
+    return dead_ ? ended() : written;
+  }
+  static core::Status ended() {
+    return core::failure(core::ErrorCode::unreadable, "journal", "the process has ended", "start it again");
   }
 
   robot::Journal& journal_;
   int countdown_ = 0;
-  bool before_ = false;
-  std::function<void()> hook_;
+  bool before_ = false, dead_ = false;
+  std::function<bool()> hook_;
 };
 
 }  // namespace pickcell::cli

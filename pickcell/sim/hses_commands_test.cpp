@@ -277,6 +277,11 @@ TEST_F(HsesCommands, MovesAndTheirRefusals) {
 }
 
 TEST_F(HsesCommands, SwitchesAndMessages) {
+  HsesRequest both = hses_select_job("TEST1", 0);
+  both.attribute = 2;
+  EXPECT_EQ(order(both), 0) << "name and line, whatever the attribute says";
+  both.service = HsesService::set_one;
+  EXPECT_EQ(order(both), 0xA002);
   EXPECT_EQ(order(hses_cycle(3)), 0);
   EXPECT_EQ(state.cycle, CycleMode::continuous);
   EXPECT_EQ(order(hses_cycle(4)), 0x1012);

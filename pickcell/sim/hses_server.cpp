@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,15 +18,10 @@ namespace pickcell::sim {
 
 namespace {
 
-using WallClock = std::chrono::steady_clock;
 constexpr int kPortTries = 100;
 /// How long the file service waits for a job to end before it refuses, and how often it looks.
 constexpr auto kPatience = std::chrono::milliseconds(300), kLook = std::chrono::milliseconds(10);
 constexpr std::size_t kMostWaiting = 64;
-
-WallClock::duration wall(double s) {
-  return std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(s));
-}
 
 auto taken(const std::string& bind, int port, int problem) {
   return core::failure(core::ErrorCode::link, "UDP port " + std::to_string(port) + " on " + bind,
@@ -45,12 +39,6 @@ core::Result<int> bind_one(const std::string& bind, int port) {
   const int problem = errno;
   if (fd >= 0) (void)::close(fd);
   return taken(bind, port, problem);
-}
-
-int bound_port(int fd) {
-  sockaddr_in a{};
-  socklen_t size = sizeof a;
-  return ::getsockname(fd, reinterpret_cast<sockaddr*>(&a), &size) == 0 ? ntohs(a.sin_port) : 0;
 }
 
 struct Pair {
@@ -89,7 +77,7 @@ class HsesServer::Loop {
   void run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       std::array<pollfd, 3> fds{
-          {{server_.wake_, POLLIN, 0}, {server_.robot_socket_, POLLIN, 0}, {server_.file_socket_, POLLIN, 0}}};
+          {{server_.wake_->fd(), POLLIN, 0}, {server_.robot_socket_, POLLIN, 0}, {server_.file_socket_, POLLIN, 0}}};
       (void)::poll(fds.data(), fds.size(), time_left_ms());
       if (stop.stop_requested()) return;
       send_late();
@@ -209,7 +197,7 @@ HsesServer::~HsesServer() { close(); }
 core::Status HsesServer::open() {
   auto pair = bind_pair(settings_.bind, port_ != 0 ? port_.load() : settings_.port);
   if (!pair) return core::forward(pair);
-  wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  wake_ = std::make_unique<Wake>();
   robot_socket_ = pair->robot;
   file_socket_ = pair->files;
   port_ = bound_port(robot_socket_);
@@ -220,10 +208,9 @@ core::Status HsesServer::open() {
 void HsesServer::close() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
-  const std::uint64_t one = 1;
-  (void)!::write(wake_, &one, sizeof one);
+  wake_->ring();
   thread_.join();
-  for (int* fd : {&robot_socket_, &file_socket_, &wake_}) (void)::close(std::exchange(*fd, -1));
+  for (int* fd : {&robot_socket_, &file_socket_}) (void)::close(std::exchange(*fd, -1));
 }
 
 }  // namespace pickcell::sim

@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 
 #include "pickcell/core/result.hpp"
 #include "pickcell/robot/hses_frame_codec.hpp"
 #include "pickcell/sim/answer_faults.hpp"
+#include "pickcell/sim/tcp_door.hpp"
 
 namespace pickcell::sim {
 
@@ -48,7 +50,8 @@ class HsesServer {
   Execute execute_;
   AnswerFaults& faults_;
   std::atomic<int> port_ = 0;
-  int robot_socket_ = -1, file_socket_ = -1, wake_ = -1;
+  int robot_socket_ = -1, file_socket_ = -1;
+  std::unique_ptr<Wake> wake_;
   std::jthread thread_;
 };
 

@@ -3,14 +3,10 @@
 
 #include "pickcell/sim/hses_server.hpp"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "pickcell/sim/controller.hpp"
+#include "pickcell/sim/loopback_test.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 
 namespace pickcell::sim {
@@ -38,36 +34,6 @@ std::string ask(const std::string& tail, const std::string& size = "0000", const
 std::string answer(const std::string& tail, const std::string& size = "0000", const std::string& data = {}) {
   return frame(size, "01 01 2a", "00000080", tail, data);
 }
-
-class UdpHost {
- public:
-  explicit UdpHost(int port) : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in a{};
-    a.sin_family = AF_INET;
-    a.sin_port = htons(static_cast<std::uint16_t>(port));
-    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    (void)::connect(fd_, reinterpret_cast<const sockaddr*>(&a), sizeof a);
-  }
-  ~UdpHost() { (void)::close(fd_); }
-  UdpHost(const UdpHost&) = delete;
-  UdpHost& operator=(const UdpHost&) = delete;
-  void send(const std::string& datagram) const { (void)!::send(fd_, datagram.data(), datagram.size(), 0); }
-  /// The next datagram; empty when none comes for the time.
-  [[nodiscard]] std::string receive(int timeout_ms = 5000) const {
-    pollfd p{fd_, POLLIN, 0};
-    std::string buffer(2048, '\0');
-    const ssize_t n = ::poll(&p, 1, timeout_ms) > 0 ? ::recv(fd_, buffer.data(), buffer.size(), 0) : 0;
-    buffer.resize(static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
-    return buffer;
-  }
-  [[nodiscard]] std::string exchange(const std::string& datagram) const {
-    send(datagram);
-    return receive();
-  }
-
- private:
-  int fd_;
-};
 
 class HsesDoor : public testing::Test {
  protected:

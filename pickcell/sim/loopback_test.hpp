@@ -1,5 +1,5 @@
 #pragma once
-/// A host on a loopback socket for tests: sends bytes, receives exactly what comes.
+/// Hosts on loopback sockets for tests: send bytes, receive exactly what comes.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -84,6 +85,37 @@ class LoopbackHost {
   int fd_;
   bool connected_ = false, ended_ = false, reset_ = false;
   std::string received_;
+};
+
+/// The same for datagrams.
+class UdpHost {
+ public:
+  explicit UdpHost(int port) : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in a{};
+    a.sin_family = AF_INET;
+    a.sin_port = htons(static_cast<std::uint16_t>(port));
+    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    (void)::connect(fd_, reinterpret_cast<const sockaddr*>(&a), sizeof a);
+  }
+  ~UdpHost() { (void)::close(fd_); }
+  UdpHost(const UdpHost&) = delete;
+  UdpHost& operator=(const UdpHost&) = delete;
+  void send(const std::string& datagram) const { (void)!::send(fd_, datagram.data(), datagram.size(), 0); }
+  /// The next datagram; empty when none comes for the time.
+  [[nodiscard]] std::string receive(int timeout_ms = 5000) const {
+    pollfd p{fd_, POLLIN, 0};
+    std::string buffer(2048, '\0');
+    const ssize_t n = ::poll(&p, 1, timeout_ms) > 0 ? ::recv(fd_, buffer.data(), buffer.size(), 0) : 0;
+    buffer.resize(static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+    return buffer;
+  }
+  [[nodiscard]] std::string exchange(const std::string& datagram) const {
+    send(datagram);
+    return receive();
+  }
+
+ private:
+  int fd_;
 };
 
 }  // namespace pickcell::sim

@@ -1,18 +1,11 @@
 #include "pickcell/sim/motoros_server.hpp"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
-#include <chrono>
-#include <cstring>
 #include <list>
 #include <utility>
 
@@ -20,7 +13,6 @@ namespace pickcell::sim {
 
 namespace {
 
-using WallClock = std::chrono::steady_clock;
 using robot::MotoFrame;
 namespace moto = robot::moto;
 
@@ -32,40 +24,6 @@ constexpr int kTriesForPorts = 50;
 /// A host that reads nothing is put out when this much waits for it.
 constexpr std::size_t kMostUnsent = 1 << 18;
 
-WallClock::duration wall(double s) {
-  return std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(s));
-}
-
-void reset(int fd) {
-  const linger at_once{1, 0};  // RST instead of FIN
-  (void)::setsockopt(fd, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
-  (void)::close(fd);
-}
-
-int bound_port(int fd) {
-  sockaddr_in a{};
-  socklen_t size = sizeof a;
-  return ::getsockname(fd, reinterpret_cast<sockaddr*>(&a), &size) == 0 ? ntohs(a.sin_port) : 0;
-}
-
-core::Result<int> listen_on(const std::string& bind, int port) {
-  sockaddr_in a{};
-  a.sin_family = AF_INET;
-  a.sin_port = htons(static_cast<std::uint16_t>(port));
-  if (::inet_pton(AF_INET, bind.c_str(), &a.sin_addr) != 1)
-    return core::failure(core::ErrorCode::usage, bind, "not an IPv4 address", "give one of this machine's, or 0.0.0.0");
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  const int yes = 1;
-  if (fd < 0 || ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
-      ::bind(fd, reinterpret_cast<const sockaddr*>(&a), sizeof a) != 0 || ::listen(fd, 8) != 0) {
-    const std::string why = std::strerror(errno);
-    if (fd >= 0) (void)::close(fd);
-    return core::failure(core::ErrorCode::link, "TCP port " + std::to_string(port) + " on " + bind, why,
-                         "choose another port (MotoROS takes three in a row)");
-  }
-  return fd;
-}
-
 /// Three listeners on ports in a row.
 core::Result<std::array<int, 3>> listen_in_a_row(const std::string& bind, int port) {
   for (int tries = 1;; ++tries) {
@@ -73,7 +31,8 @@ core::Result<std::array<int, 3>> listen_in_a_row(const std::string& bind, int po
     core::Status status;
     int first = port;
     for (std::size_t i = 0; i < fds.size() && status; ++i) {
-      auto fd = listen_on(bind, i == 0 ? port : first + static_cast<int>(i));
+      auto fd = listen_on(bind, i == 0 ? port : first + static_cast<int>(i),
+                          "choose another port (MotoROS takes three in a row)");
       if (!fd) {
         status = core::forward(fd);
         continue;
@@ -88,25 +47,14 @@ core::Result<std::array<int, 3>> listen_in_a_row(const std::string& bind, int po
   }
 }
 
-/// A host on one of the ports. Bytes to send wait in `out` until their time.
+/// A host on one of the ports.
 struct Connection {
-  struct Out {
-    WallClock::time_point due;
-    std::string bytes;
-    bool then_close = false, then_reset = false;
-  };
   int fd;
   Port port;
   robot::MotoFrameSplitter splitter;
-  std::list<Out> out;
+  Outbox out{};
   bool waits = false;  ///< an answer comes later; nothing else is looked at until then
   bool finished = false;
-
-  [[nodiscard]] std::size_t unsent() const {
-    std::size_t sum = 0;
-    for (const Out& o : out) sum += o.bytes.size();
-    return sum;
-  }
 };
 
 }  // namespace
@@ -136,34 +84,26 @@ class MotoRosServer::Loop {
 
  private:
   void wait() {
-    std::vector<pollfd> fds{{server_.wake_, POLLIN, 0}};
-    for (const int fd : server_.listeners_) fds.push_back({fd, POLLIN, 0});
-    auto until = WallClock::now() + std::chrono::minutes(1);
+    Poll poll;
+    poll.add(server_.wake_->fd(), POLLIN);
+    for (const int fd : server_.listeners_) poll.add(fd, POLLIN);
     const auto now = WallClock::now();
     for (const Connection& c : connections_) {
-      short events = POLLIN;
-      if (!c.out.empty() && c.out.front().due <= now) events |= POLLOUT;
-      if (!c.out.empty() && c.out.front().due > now) until = std::min(until, c.out.front().due);
-      if (c.waits) until = std::min(until, now + kLook);
-      fds.push_back({c.fd, events, 0});
+      poll.add(c.fd, static_cast<short>(c.out.due(poll, now) ? POLLIN | POLLOUT : POLLIN));
+      if (c.waits) poll.wake_at(now + kLook);
     }
-    if (hosts_[kState] > 0) until = std::min(until, next_pair_);
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now).count();
-    (void)::poll(fds.data(), fds.size(), static_cast<int>(std::clamp<long long>(left, 0, 60'000)));
+    if (hosts_[kState] > 0) poll.wake_at(next_pair_);
+    poll.wait();
   }
 
   void accept_hosts(Port port) {
-    for (;;) {
-      const int fd = ::accept4(server_.listeners_[port], nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-      if (fd < 0) return;
+    for (int fd = 0; (fd = accept_host(server_.listeners_[port])) >= 0;) {
       if (of_port(port) >= kMostHosts[port] && !make_room(port)) {
         (void)::close(fd);
         continue;
       }
-      const int yes = 1;
-      (void)::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
       if (port == kState && hosts_[kState] == 0) next_pair_ = WallClock::now();
-      connections_.push_back({fd, port, robot::MotoFrameSplitter(server_.settings_.order), {}, false, false});
+      connections_.push_back({fd, port, robot::MotoFrameSplitter(server_.settings_.order)});
       count();
     }
   }
@@ -208,7 +148,7 @@ class MotoRosServer::Loop {
     const auto pair = host_.state();
     for (Connection& c : connections_) {
       if (c.port != kState) continue;
-      for (const MotoFrame& frame : pair) c.out.push_back({now, moto_bytes(frame, server_.settings_.order)});
+      for (const MotoFrame& frame : pair) c.out.put({now, moto_bytes(frame, server_.settings_.order)});
     }
     next_pair_ = now + kPair;  // a fixed sleep, as on the controller
   }
@@ -221,7 +161,9 @@ class MotoRosServer::Loop {
         post(c, motoros_command_name({moto::kMotionControl, 0, 0, {}}), *answer, false);
       }
     }
-    if (!receive(c) || !take(c) || !send_due(c) || c.unsent() > kMostUnsent) finish(c);
+    if (!receive(c) || !take(c)) return finish(c);
+    if (!c.finished) send_due(c);
+    if (!c.finished && c.out.bytes() > kMostUnsent) finish(c);
   }
 
   static bool receive(Connection& c) {
@@ -238,7 +180,7 @@ class MotoRosServer::Loop {
 
   /// Carries out what has come. False when the stream is lost.
   bool take(Connection& c) {
-    while (!c.waits && c.out.empty()) {
+    while (!c.finished && !c.waits && c.out.empty()) {
       auto message = c.splitter.next();
       if (!message) return false;
       if (!*message) return true;
@@ -249,7 +191,7 @@ class MotoRosServer::Loop {
         c.waits = answer.later;
         if (answer.frame) reply(c, **message, *answer.frame, answer.close);
       }
-      if (!send_due(c)) return false;
+      send_due(c);
     }
     return true;
   }
@@ -260,52 +202,23 @@ class MotoRosServer::Loop {
   }
 
   void post(Connection& c, std::string_view command, const MotoFrame& frame, bool close) {
-    const std::string bytes = moto_bytes(frame, server_.settings_.order);
-    const auto now = WallClock::now();
-    const auto spoil = server_.faults_.next(command);
-    if (!spoil) {
-      c.out.push_back({now, bytes, close});
-      return;
-    }
-    const std::string half = bytes.substr(0, bytes.size() / 2);
-    switch (spoil->kind) {
-      case AnswerFault::drop:
-        return;
-      case AnswerFault::twice:
-        c.out.push_back({now, bytes + bytes, close});
-        return;
-      case AnswerFault::late:
-        c.out.push_back({now + wall(spoil->delay_s), bytes, close});
-        return;
-      case AnswerFault::half_line:
-        c.out.push_back({now, half, close});
-        return;
-      case AnswerFault::truncate:
-        c.out.push_back({now, half, true});
-        return;
-      case AnswerFault::reset_after_ok:
-        c.out.push_back({now, {}, false, true});
-        return;
-    }
+    c.out.put(spoilt(server_.faults_.next(command), {WallClock::now(), moto_bytes(frame, server_.settings_.order),
+                                                     close ? Out::Then::close : Out::Then::go_on}));
   }
 
-  /// False when the connection ends.
-  static bool send_due(Connection& c) {
-    while (!c.out.empty() && c.out.front().due <= WallClock::now()) {
-      Connection::Out& out = c.out.front();
-      while (!out.bytes.empty()) {
-        const ssize_t n = ::send(c.fd, out.bytes.data(), out.bytes.size(), MSG_NOSIGNAL);
-        if (n < 0) return errno == EAGAIN || errno == EINTR;
-        out.bytes.erase(0, static_cast<std::size_t>(n));
-      }
-      if (out.then_reset) {
-        const linger at_once{1, 0};
-        (void)::setsockopt(c.fd, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
-      }
-      if (out.then_reset || out.then_close) return false;
-      c.out.pop_front();
+  static void send_due(Connection& c) {
+    switch (c.out.send(c.fd)) {
+      case Outbox::Sent::all:
+      case Outbox::Sent::waits:
+        return;
+      case Outbox::Sent::ends:
+      case Outbox::Sent::broken:
+        return finish(c);
+      case Outbox::Sent::resets:
+        reset(c.fd);
+        c.finished = true;
+        return;
     }
-    return true;
   }
 
   MotoRosServer& server_;
@@ -324,7 +237,7 @@ core::Status MotoRosServer::open() {
   auto fds = listen_in_a_row(settings_.bind, port_ != 0 ? port_.load() : settings_.port);
   if (!fds) return core::forward(fds);
   listeners_ = *fds;
-  wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  wake_ = std::make_unique<Wake>();
   port_ = bound_port(listeners_[kMotion]);
   thread_ = std::jthread([this](const std::stop_token& stop) { Loop(*this).run(stop); });
   return {};
@@ -333,11 +246,9 @@ core::Status MotoRosServer::open() {
 void MotoRosServer::close() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
-  const std::uint64_t one = 1;
-  (void)!::write(wake_, &one, sizeof one);
+  wake_->ring();
   thread_.join();
   for (int& fd : listeners_) (void)::close(std::exchange(fd, -1));
-  (void)::close(std::exchange(wake_, -1));
 }
 
 }  // namespace pickcell::sim

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -12,6 +13,7 @@
 #include "pickcell/robot/motoros_codec.hpp"
 #include "pickcell/sim/answer_faults.hpp"
 #include "pickcell/sim/motoros_motion.hpp"
+#include "pickcell/sim/tcp_door.hpp"
 
 namespace pickcell::sim {
 
@@ -60,7 +62,7 @@ class MotoRosServer {
   AnswerFaults& faults_;
   std::atomic<int> port_ = 0;
   std::array<int, 3> listeners_{-1, -1, -1};
-  int wake_ = -1;
+  std::unique_ptr<Wake> wake_;
   std::jthread thread_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "pickcell/core/result.hpp"
 #include "pickcell/sim/answer_faults.hpp"
 #include "pickcell/sim/tcp80_commands.hpp"
+#include "pickcell/sim/tcp_door.hpp"
 
 namespace pickcell::sim {
 
@@ -47,7 +49,7 @@ class Tcp80Server {
   AnswerFaults& faults_;
   std::atomic<int> port_ = 0;
   int listener_ = -1;
-  int wake_ = -1;
+  std::unique_ptr<Wake> wake_;
   std::jthread thread_;
 };
 

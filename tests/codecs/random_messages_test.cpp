@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <random>
 #include <string>
 
+#include "noise.hpp"
 #include "pickcell/robot/hses_codec.hpp"
 #include "pickcell/robot/motoros_codec.hpp"
 #include "pickcell/robot/tcp80_codec.hpp"
@@ -16,46 +15,8 @@
 namespace pickcell::robot {
 namespace {
 
-/// Through each codec; PICKCELL_RANDOM_MESSAGES asks for more.
-const int kMessages = [] {
-  const char* asked = std::getenv("PICKCELL_RANDOM_MESSAGES");
-  return asked ? std::atoi(asked) : 30'000;
-}();
-
-class Noise {
- public:
-  explicit Noise(unsigned seed) : random_(seed) {}
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_() % n); }
-  std::uint32_t word() { return static_cast<std::uint32_t>(random_()); }
-  bool coin() { return random_() % 2 == 0; }
-  std::string bytes(std::size_t most, std::string_view alphabet = {}) {
-    std::string out(below(static_cast<std::uint32_t>(most) + 1), '\0');
-    for (char& c : out)
-      c = alphabet.empty() ? static_cast<char>(random_())
-                           : alphabet[below(static_cast<std::uint32_t>(alphabet.size()))];
-    return out;
-  }
-  /// One to four changes: another byte, a byte less, a byte more.
-  std::string changed(std::string text) {
-    for (std::uint32_t n = 1 + below(4); n > 0 && !text.empty(); --n) {
-      const std::size_t at = below(static_cast<std::uint32_t>(text.size()));
-      switch (below(3)) {
-        case 0:
-          text[at] = static_cast<char>(random_());
-          break;
-        case 1:
-          text.erase(at, 1);
-          break;
-        default:
-          text.insert(at, 1, static_cast<char>(random_()));
-      }
-    }
-    return text;
-  }
-
- private:
-  std::mt19937 random_;
-};
+using testing_noise::kMessages;
+using testing_noise::Noise;
 
 TEST(RandomMessages, Tcp80) {
   Noise noise(80);
