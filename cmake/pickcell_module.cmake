@@ -37,9 +37,26 @@ function(pickcell_module NAME)
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON LINKER_LANGUAGE CXX)
   target_link_libraries(${target} PUBLIC ${M_DEPENDS} ${M_PUBLIC} PRIVATE ${M_PRIVATE})
   pickcell_warnings(${target})
+  pickcell_common_headers(${target})
   if(tests AND PICKCELL_WITH_TESTS)
     pickcell_test(${NAME}_test LABEL unit SOURCES ${tests} LIBS pickcell::${NAME} ${M_PRIVATE})
   endif()
+endfunction()
+
+# pickcell_common_headers(TARGET): what nearly every source reads, compiled once for all modules: a quarter of the build's
+# time. A source with flags of its own sets SKIP_PRECOMPILE_HEADERS. What a .cpp forgets to include shows in the preset
+# release, which goes without; headers are verified without.
+function(pickcell_common_headers TARGET)
+  if(NOT TARGET pickcell_pch)
+    file(WRITE ${CMAKE_BINARY_DIR}/pch.cpp "")
+    add_library(pickcell_pch OBJECT ${CMAKE_BINARY_DIR}/pch.cpp)
+    target_link_libraries(pickcell_pch PRIVATE pickcell_eigen)
+    target_precompile_headers(pickcell_pch PRIVATE <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <functional>
+      <map> <memory> <mutex> <optional> <span> <string> <string_view> <variant> <vector> <tl/expected.hpp> <Eigen/Core>
+      <Eigen/Geometry>)
+    pickcell_warnings(pickcell_pch)
+  endif()
+  target_precompile_headers(${TARGET} REUSE_FROM pickcell_pch)
 endfunction()
 
 # pickcell_test(NAME LABEL unit|data|... SOURCES file... [LIBS lib...] [TIMEOUT_S n]): a GoogleTest program. Skipped tests are
