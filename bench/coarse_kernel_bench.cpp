@@ -57,7 +57,7 @@ void add(const std::string& name, CoarseKernel kernel, std::int64_t target) {
 
 const bool kRegistered = [] {
   for (const NamedKernel& k : dot_product_kernels())
-    if (k.run) add(k.name, k.run, 0);
+    if (k.able) add(k.name, k.run, 0);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
     add(hwy::TargetName(target), highway_kernel(), target);
   return true;

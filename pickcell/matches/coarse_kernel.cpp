@@ -106,8 +106,8 @@ void run_highway(const CellBlock& c, const FourTemplates& t, float* score, std::
 
 NamedKernel choose() {
   for (const NamedKernel& k : dot_product_kernels())
-    if (k.run) return k;
-  return {nullptr, run_highway};
+    if (k.able) return k;
+  return {nullptr, run_highway, true};
 }
 
 const NamedKernel& chosen() {
@@ -120,9 +120,9 @@ const NamedKernel& chosen() {
 CoarseKernel highway_kernel() { return run_highway; }
 
 std::vector<NamedKernel> dot_product_kernels() {
-  return {{"avx512vnni", detail::avx512vnni_kernel()},
-          {"avxvnni", detail::avxvnni_kernel()},
-          {"neon-dotprod", detail::neon_dot_kernel()}};
+  std::vector<NamedKernel> all = detail::vnni_kernels();
+  for (const NamedKernel& k : detail::neon_dot_kernels()) all.push_back(k);
+  return all;
 }
 
 std::string kernel_target() {

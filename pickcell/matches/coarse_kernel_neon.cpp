@@ -56,12 +56,14 @@ constexpr unsigned long kHwcapAsimdDp = 1UL << 20;  // <asm/hwcap.h>: HWCAP_ASIM
 
 }  // namespace
 
-CoarseKernel detail::neon_dot_kernel() { return (getauxval(AT_HWCAP) & kHwcapAsimdDp) != 0 ? run : nullptr; }
+std::vector<NamedKernel> detail::neon_dot_kernels() {
+  return {{"neon-dotprod", run, (getauxval(AT_HWCAP) & kHwcapAsimdDp) != 0}};
+}
 
 }  // namespace pickcell::matches
 
 #else
 
-pickcell::matches::CoarseKernel pickcell::matches::detail::neon_dot_kernel() { return nullptr; }
+std::vector<pickcell::matches::NamedKernel> pickcell::matches::detail::neon_dot_kernels() { return {}; }
 
 #endif
