@@ -4,19 +4,20 @@
 
 #include <vector>
 
-#include <hwy/highway.h>
-
-#include "pickcell/matches/test_kernels.hpp"
+#include "pickcell/matches/kernels_test.hpp"
 
 namespace pickcell::matches {
 namespace {
 
 TEST(CoarseKernel, EveryHighwayTargetEqualsThePlainLoop) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    testing::KernelJudge().check(highway_kernel(), hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(0);
-  }
+  testing::on_every_target([] { testing::KernelJudge().check(highway_kernel(), "Highway"); });
+}
+
+/// One number for all machines: amd64 and arm64 compute the same bits.
+TEST(CoarseKernel, SameBitsOnEveryMachine) {
+  static constexpr std::uint64_t kBits = 16344033895986844421U;
+  testing::on_every_target([] { EXPECT_EQ(testing::KernelJudge().fingerprint(highway_kernel()), kBits); });
+  EXPECT_EQ(testing::KernelJudge().fingerprint(best_of_four), kBits) << kernel_target();
 }
 
 TEST(CoarseKernel, EveryDotProductOfThisMachineEqualsThePlainLoop) {

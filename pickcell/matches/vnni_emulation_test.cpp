@@ -15,7 +15,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "pickcell/matches/test_kernels.hpp"
+#include "pickcell/matches/kernels_test.hpp"
 
 namespace pickcell::matches {
 namespace {
