@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whether two builds of pickcell give the same answers on a set of pictures (bench's format): ./check --preset arm64.
 
-compare_answers.py SET PROGRAM -- OTHER...   where OTHER is a program with its words in front, one argument each:
+compare_answers.py SET PROGRAM OTHER...   where OTHER is a program with its words in front, one argument each:
     'qemu-aarch64 -cpu max build/arm64/pickcell'
 Models are taught by PROGRAM and read by all; each other program also teaches one part itself. Exits 1 unless every
 place agrees within 0.01 px, every angle within 0.01 degrees and every scale within 0.0001.
@@ -53,7 +53,7 @@ def teach(program, template, folder, where):
 
 def main():
     folder, ours = pathlib.Path(sys.argv[1]), [sys.argv[2]]
-    others = [words.split() for words in sys.argv[4:]]
+    others = [words.split() for words in sys.argv[3:]]
     truth = json.loads((folder / "truth.json").read_text())
     templates = {t["id"]: t for t in truth["templates"]}
     failed = False

@@ -2,10 +2,10 @@
 // compiled for one target, after that target's attributes (hence no guard and no includes). Isa gives
 //   kLanes, kVectors              positions per vector; vectors whose sums for four templates fit the registers
 //   Cells load(const uint32_t*)
-//   Sum start(int32 bias)
+//   Sum start(int32 bias)                               or the bias comes in with store_best
 //   Weights weights(const int8_t*)                      of one tap, four templates
 //   template <int a> Sum add(Sum, Cells, Weights)       the dot product with template a
-//   void store_best(const Sum (&four)[4], const float* norm, float* score)
+//   void store_best(const Sum (&four)[4], const FourTemplates&, float* score)
 
 /// The loops over vectors must be unrolled, for the sums to stay in registers; at -O2 GCC does so only when told.
 template <class Isa, int kVectors, int a>
@@ -36,7 +36,7 @@ HWY_INLINE void score_vectors(const std::uint32_t* const* cells, const FourTempl
     add_tap<Isa, kVectors, 3>(sum, v, four);
   }
 #pragma GCC unroll 8
-  for (int i = 0; i < kVectors; ++i) Isa::store_best(sum[i], t.norm, score[i]);
+  for (int i = 0; i < kVectors; ++i) Isa::store_best(sum[i], t, score[i]);
 }
 
 /// Vectors of all rows are worked off in groups, so that short rows fill the registers as well as long ones.

@@ -46,7 +46,7 @@ struct PairProducts {
     V16 even, odd;
   };
   /// ReorderWidenMulAccumulate splits the products over two sums in a target's own way; RearrangeToOddPlusEven puts
-  /// lane i = products 2i and 2i+1 whatever that was.
+  /// lane i = products 2i and 2i+1 whatever that was; only then is a lane one position's, and the bias may come in.
   struct Sum {
     V32 a, b;
   };
@@ -58,7 +58,7 @@ struct PairProducts {
     const auto v = hn::BitCast(du, hn::LoadU(hn::RebindToUnsigned<D32>(), cells));
     return {hn::BitCast(D16(), hn::And(v, hn::Set(du, 0xff))), hn::BitCast(D16(), hn::ShiftRight<8>(v))};
   }
-  static HWY_INLINE Sum start(std::int32_t bias) { return {hn::Set(D32(), bias), hn::Zero(D32())}; }
+  static HWY_INLINE Sum start(std::int32_t) { return {hn::Zero(D32()), hn::Zero(D32())}; }
   static HWY_INLINE Weights weights(const std::int8_t* w) { return {w}; }
   template <int a>
   static HWY_INLINE Sum add(Sum s, const Cells& v, const Weights& w) {
@@ -71,11 +71,11 @@ struct PairProducts {
     s.a = hn::ReorderWidenMulAccumulate(D32(), v.odd, odd, s.a, s.b);
     return s;
   }
-  static HWY_INLINE void store_best(const Sum (&four)[4], const float* norm, float* score) {
+  static HWY_INLINE void store_best(const Sum (&four)[4], const FourTemplates& t, float* score) {
     const DF d;
     const auto scaled = [&](int a) HWY_ATTR {
       const V32 whole = hn::RearrangeToOddPlusEven(four[a].a, four[a].b);
-      return hn::Mul(hn::ConvertTo(d, whole), hn::Set(d, norm[a]));
+      return hn::Mul(hn::ConvertTo(d, hn::Add(whole, hn::Set(D32(), t.bias[a]))), hn::Set(d, t.norm[a]));
     };
     hn::StoreU(hn::Max(hn::Max(scaled(0), scaled(1)), hn::Max(scaled(2), scaled(3))), d, score);
   }

@@ -30,9 +30,9 @@ struct Vnni {
   }
   static HWY_INLINE Floats scaled(Sum s, float norm) { return __builtin_convertvector(s, Floats) * norm; }
   static HWY_INLINE Floats larger(Floats a, Floats b) { return a > b ? a : b; }
-  static HWY_INLINE void store_best(const Sum (&four)[4], const float* norm, float* score) {
-    const Floats low = larger(scaled(four[0], norm[0]), scaled(four[1], norm[1]));
-    const Floats best = larger(low, larger(scaled(four[2], norm[2]), scaled(four[3], norm[3])));
+  static HWY_INLINE void store_best(const Sum (&four)[4], const FourTemplates& t, float* score) {
+    const Floats low = larger(scaled(four[0], t.norm[0]), scaled(four[1], t.norm[1]));
+    const Floats best = larger(low, larger(scaled(four[2], t.norm[2]), scaled(four[3], t.norm[3])));
     std::memcpy(score, &best, sizeof best);
   }
 };
