@@ -11,6 +11,9 @@ packages_calibration=(libopencv-contrib-dev libceres-dev)
 packages_check=("${packages_calibration[@]}" "${packages_aravis[@]}" aravis-tools git python3 ccache libgtest-dev libgmock-dev
   librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev clang-format-19)
 packages_fuzz=(clang-19 libclang-rt-19-dev)  # the second is only recommended by the first, and holds libFuzzer
+# The board's build and its emulator; about 300 MB with what they pull in.
+packages_arm64=(g++-aarch64-linux-gnu qemu-user libhwy-dev:arm64 libpng-dev:arm64 libjpeg-dev:arm64 zlib1g-dev:arm64
+  libgtest-dev:arm64 libgmock-dev:arm64 librapidcheck-dev:arm64)
 packages_hmi=()  # a Node that did not come from Debian's packages is as good
 command -v node >/dev/null || packages_hmi+=(nodejs)
 command -v npm >/dev/null || packages_hmi+=(npm)
@@ -34,6 +37,7 @@ install_missing() {
   echo "installing: ${missing[*]}" >&2
   local log
   log=$(mktemp)
+  case "${missing[*]}" in *:arm64*) "${as_root[@]}" dpkg --add-architecture arm64 ;; esac
   if ! { "${as_root[@]}" apt-get update -qq && DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq \
     --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
     tail -n 20 "$log" >&2

@@ -46,7 +46,7 @@ struct PairProducts {
     V16 even, odd;
   };
   /// ReorderWidenMulAccumulate splits the products over two sums in a target's own way; RearrangeToOddPlusEven puts
-  /// lane i = products 2i and 2i+1 whatever that was.
+  /// lane i = products 2i and 2i+1 whatever that was; only then is a lane one position's, and the bias may come in.
   struct Sum {
     V32 a, b;
   };
@@ -58,7 +58,7 @@ struct PairProducts {
     const auto v = hn::BitCast(du, hn::LoadU(hn::RebindToUnsigned<D32>(), cells));
     return {hn::BitCast(D16(), hn::And(v, hn::Set(du, 0xff))), hn::BitCast(D16(), hn::ShiftRight<8>(v))};
   }
-  static HWY_INLINE Sum start(std::int32_t bias) { return {hn::Set(D32(), bias), hn::Zero(D32())}; }
+  static HWY_INLINE Sum start(std::int32_t) { return {hn::Zero(D32()), hn::Zero(D32())}; }
   static HWY_INLINE Weights weights(const std::int8_t* w) { return {w}; }
   template <int a>
   static HWY_INLINE Sum add(Sum s, const Cells& v, const Weights& w) {
@@ -71,11 +71,11 @@ struct PairProducts {
     s.a = hn::ReorderWidenMulAccumulate(D32(), v.odd, odd, s.a, s.b);
     return s;
   }
-  static HWY_INLINE void store_best(const Sum (&four)[4], const float* norm, float* score) {
+  static HWY_INLINE void store_best(const Sum (&four)[4], const FourTemplates& t, float* score) {
     const DF d;
     const auto scaled = [&](int a) HWY_ATTR {
       const V32 whole = hn::RearrangeToOddPlusEven(four[a].a, four[a].b);
-      return hn::Mul(hn::ConvertTo(d, whole), hn::Set(d, norm[a]));
+      return hn::Mul(hn::ConvertTo(d, hn::Add(whole, hn::Set(D32(), t.bias[a]))), hn::Set(d, t.norm[a]));
     };
     hn::StoreU(hn::Max(hn::Max(scaled(0), scaled(1)), hn::Max(scaled(2), scaled(3))), d, score);
   }
@@ -106,8 +106,8 @@ void run_highway(const CellBlock& c, const FourTemplates& t, float* score, std::
 
 NamedKernel choose() {
   for (const NamedKernel& k : dot_product_kernels())
-    if (k.run) return k;
-  return {nullptr, run_highway};
+    if (k.able) return k;
+  return {nullptr, run_highway, true};
 }
 
 const NamedKernel& chosen() {
@@ -120,9 +120,9 @@ const NamedKernel& chosen() {
 CoarseKernel highway_kernel() { return run_highway; }
 
 std::vector<NamedKernel> dot_product_kernels() {
-  return {{"avx512vnni", detail::avx512vnni_kernel()},
-          {"avxvnni", detail::avxvnni_kernel()},
-          {"neon-dotprod", detail::neon_dot_kernel()}};
+  std::vector<NamedKernel> all = detail::vnni_kernels();
+  for (const NamedKernel& k : detail::neon_dot_kernels()) all.push_back(k);
+  return all;
 }
 
 std::string kernel_target() {

@@ -1,7 +1,7 @@
 #pragma once
 /// The inner loop of the coarse search: four templates at once over a block of positions. One source for every SIMD
-/// target of Highway, and one small file for each dot-product instruction that Highway 1.0.3 cannot express
-/// (coarse_kernel_*.cpp); the best is chosen at run time. All give the same bits.
+/// target of Highway, and a small file for each dot-product instruction that Highway 1.0.3 cannot express
+/// (coarse_kernel_vnni.cpp, coarse_kernel_neon.cpp); the best is chosen at run time. All give the same bits.
 
 #include <cstddef>
 #include <cstdint>
@@ -47,17 +47,17 @@ void each_of_four(const std::uint32_t* cell, const FourTemplates& templates, flo
 /// A kernel by name, for tests and micro-benchmarks.
 struct NamedKernel {
   const char* name;
-  CoarseKernel run;  ///< null where this machine or this build cannot run it
+  CoarseKernel run;
+  bool able;  ///< whether this machine has its instructions
 };
-/// The dot-product kernels that have a file of their own, best first.
+/// The dot-product kernels of this build, best first: those with a file of their own.
 [[nodiscard]] std::vector<NamedKernel> dot_product_kernels();
 /// Highway's, with the target that it chooses (tests restrict it).
 [[nodiscard]] CoarseKernel highway_kernel();
 
 namespace detail {
-[[nodiscard]] CoarseKernel avx512vnni_kernel();
-[[nodiscard]] CoarseKernel avxvnni_kernel();
-[[nodiscard]] CoarseKernel neon_dot_kernel();
+[[nodiscard]] std::vector<NamedKernel> vnni_kernels();
+[[nodiscard]] std::vector<NamedKernel> neon_dot_kernels();
 }  // namespace detail
 
 }  // namespace pickcell::matches

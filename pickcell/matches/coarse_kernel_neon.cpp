@@ -39,9 +39,9 @@ struct NeonDot {
     return vdotq_laneq_s32(s, v, w, a);
   }
   static HWY_INLINE float32x4_t scaled(Sum s, float norm) { return vmulq_n_f32(vcvtq_f32_s32(s), norm); }
-  static HWY_INLINE void store_best(const Sum (&four)[4], const float* norm, float* score) {
-    const float32x4_t low = vmaxq_f32(scaled(four[0], norm[0]), scaled(four[1], norm[1]));
-    const float32x4_t high = vmaxq_f32(scaled(four[2], norm[2]), scaled(four[3], norm[3]));
+  static HWY_INLINE void store_best(const Sum (&four)[4], const FourTemplates& t, float* score) {
+    const float32x4_t low = vmaxq_f32(scaled(four[0], t.norm[0]), scaled(four[1], t.norm[1]));
+    const float32x4_t high = vmaxq_f32(scaled(four[2], t.norm[2]), scaled(four[3], t.norm[3]));
     vst1q_f32(score, vmaxq_f32(low, high));
   }
 };
@@ -56,12 +56,14 @@ constexpr unsigned long kHwcapAsimdDp = 1UL << 20;  // <asm/hwcap.h>: HWCAP_ASIM
 
 }  // namespace
 
-CoarseKernel detail::neon_dot_kernel() { return (getauxval(AT_HWCAP) & kHwcapAsimdDp) != 0 ? run : nullptr; }
+std::vector<NamedKernel> detail::neon_dot_kernels() {
+  return {{"neon-dotprod", run, (getauxval(AT_HWCAP) & kHwcapAsimdDp) != 0}};
+}
 
 }  // namespace pickcell::matches
 
 #else
 
-pickcell::matches::CoarseKernel pickcell::matches::detail::neon_dot_kernel() { return nullptr; }
+std::vector<pickcell::matches::NamedKernel> pickcell::matches::detail::neon_dot_kernels() { return {}; }
 
 #endif

@@ -140,7 +140,9 @@ void sum_lines_impl(const LineColumns& c, float* sums) {
   const DF d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   VF product[10], right[4];
+#pragma GCC unroll 10
   for (VF& v : product) v = hn::Zero(d);
+#pragma GCC unroll 4
   for (VF& v : right) v = hn::Zero(d);
   for (int i = 0; i < c.count; i += lanes) {
     const VF row[4] = {hn::LoadU(d, c.nx + i), hn::LoadU(d, c.ny + i), hn::LoadU(d, c.turn + i),
@@ -148,13 +150,17 @@ void sum_lines_impl(const LineColumns& c, float* sums) {
     const VF w = hn::LoadU(d, c.weight + i);
     const VF distance = hn::LoadU(d, c.distance + i);
     int k = 0;
+#pragma GCC unroll 4
     for (int p = 0; p < 4; ++p) {
       const VF wp = hn::Mul(w, row[p]);
       right[p] = hn::MulAdd(wp, distance, right[p]);
+#pragma GCC unroll 4
       for (int q = p; q < 4; ++q, ++k) product[k] = hn::MulAdd(wp, row[q], product[k]);
     }
   }
+#pragma GCC unroll 10
   for (int k = 0; k < 10; ++k) sums[k] = hn::GetLane(hn::SumOfLanes(d, product[k]));
+#pragma GCC unroll 4
   for (int k = 0; k < 4; ++k) sums[10 + k] = hn::GetLane(hn::SumOfLanes(d, right[k]));
 }
 
@@ -164,6 +170,7 @@ void line_residuals_impl(const LineColumns& c, const float* movement, float* res
   const float* const columns[4] = {c.nx, c.ny, c.turn, c.growth};
   for (int i = 0; i < c.count; i += lanes) {
     VF r = hn::LoadU(d, c.distance + i);
+#pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) r = hn::NegMulAdd(hn::LoadU(d, columns[k] + i), hn::Set(d, movement[k]), r);
     hn::StoreU(hn::Abs(r), d, residual + i);
   }

@@ -64,7 +64,8 @@ void sample_points_impl(image::ImageView picture, const PointColumns& points, co
   }
 }
 
-/// One row of the normal matrix from column a on, and its right side; a row at a time keeps the sums in registers.
+/// One row of the normal matrix from column a on, and its right side; a row at a time, and loops unrolled, keep the
+/// sums in registers.
 template <int a>
 HWY_INLINE float* sum_row(const PointColumns& points, const float* s, const float* weight, float* products,
                           float* right) {
@@ -73,15 +74,18 @@ HWY_INLINE float* sum_row(const PointColumns& points, const float* s, const floa
   const float* const columns[6] = {nullptr, points.t, points.j[0], points.j[1], points.j[2], points.j[3]};
   const VF mid = hn::Set(d, 128.f);
   VF sum[6];
+#pragma GCC unroll 6
   for (int b = a; b < 6; ++b) sum[b] = hn::Zero(d);
   VF scene = hn::Zero(d);
   for (int i = 0; i < points.count; i += lanes) {
     VF wa = hn::LoadU(d, weight + i);
     if constexpr (a > 0) wa = hn::Mul(wa, hn::LoadU(d, columns[a] + i));
     scene = hn::MulAdd(wa, hn::Sub(hn::LoadU(d, s + i), mid), scene);
+#pragma GCC unroll 6
     for (int b = a; b < 6; ++b)
       sum[b] = b == 0 ? hn::Add(sum[0], wa) : hn::MulAdd(wa, hn::LoadU(d, columns[b] + i), sum[b]);
   }
+#pragma GCC unroll 6
   for (int b = a; b < 6; ++b) *products++ = hn::GetLane(hn::SumOfLanes(d, sum[b]));
   *right = hn::GetLane(hn::SumOfLanes(d, scene));
   return products;

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include <hwy/highway.h>
+#include "pickcell/matches/kernels_test.hpp"
 
 #include "pickcell/matches/rst_smooth.hpp"
 
@@ -20,16 +20,6 @@ image::Image noise(int w, int h, unsigned seed) {
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) out.at(x, y) = static_cast<std::uint8_t>(rng() & 255);
   return out;
-}
-
-template <class Body>
-void on_every_target(const Body& body) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    SCOPED_TRACE(hwy::TargetName(target));
-    body();
-  }
-  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(RstKernels, FeaturesAndRingScoresEqualThePlainFormOnEveryTarget) {
@@ -52,7 +42,7 @@ TEST(RstKernels, FeaturesAndRingScoresEqualThePlainFormOnEveryTarget) {
       std::vector<std::int32_t> plain_scale(160);
       plain::mean_lists(picture.row(44) + r, lists, n, plain_means.data(), stride);
       plain::score_rings(plain_means.data(), stride, n, query, plain_best.data(), plain_scale.data());
-      on_every_target([&] {
+      testing::on_every_target([&] {
         std::vector<float> means(room), best(160);
         std::vector<std::int32_t> scale(160);
         mean_lists(picture.row(44) + r, lists, n, means.data(), stride);
@@ -79,7 +69,7 @@ TEST(RstKernels, DotProductsEqualThePlainFormOnEveryTarget) {
   for (int i = 0; i < 361; i += 7) starts.push_back(i);
   std::vector<std::int32_t> expected(starts.size());
   plain::dots(a.data(), b.data(), 384, starts, expected.data());
-  on_every_target([&] {
+  testing::on_every_target([&] {
     std::vector<std::int32_t> out(starts.size());
     dots(a.data(), b.data(), 384, starts, out.data());
     EXPECT_EQ(out, expected);
@@ -95,7 +85,8 @@ TEST(RstKernels, WindowSumsEqualThePlainFormOnEveryTarget) {
       for (const auto& [x, y] :
            {std::pair{60, 40}, {3, 40}, {117, 40}, {60, 2}, {60, 79}, {0, 0}, {119, 79}, {-200, 0}}) {
         const WindowSums expected = plain::sum_window(picture.view(), window, x, y);
-        on_every_target([&] { EXPECT_EQ(sum_window(picture.view(), window, x, y), expected) << x << " " << y; });
+        testing::on_every_target(
+            [&] { EXPECT_EQ(sum_window(picture.view(), window, x, y), expected) << x << " " << y; });
       }
     }
 }

@@ -1,0 +1,258 @@
+/// The kernels of refinement on every SIMD target against their formulas in double precision.
+
+#include "pickcell/matches/point_kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "pickcell/matches/contour_kernel.hpp"
+#include "pickcell/matches/kernels_test.hpp"
+#include "pickcell/matches/orientation_field.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+using Column = std::vector<float>;
+
+Column random_column(std::mt19937& rng, int count, double lo, double hi) {
+  Column out(static_cast<std::size_t>((count + kPointBlock - 1) / kPointBlock * kPointBlock), 0.f);
+  std::uniform_real_distribution<double> value(lo, hi);
+  for (int i = 0; i < count; ++i) out[static_cast<std::size_t>(i)] = static_cast<float>(value(rng));
+  return out;
+}
+
+image::Image random_picture(std::mt19937& rng, int width, int height) {
+  image::Image out(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) out.at(x, y) = static_cast<std::uint8_t>(rng() & 255U);
+  return out;
+}
+
+/// Bilinear, the border repeated.
+double bilinear(image::ImageView p, double x, double y) {
+  x = std::clamp(x, 0.0, p.width() - 1.0);
+  y = std::clamp(y, 0.0, p.height() - 1.0);
+  const int ix = std::min(static_cast<int>(x), p.width() - 2), iy = std::min(static_cast<int>(y), p.height() - 2);
+  const double fx = x - ix, fy = y - iy;
+  return (1 - fy) * ((1 - fx) * p.at(ix, iy) + fx * p.at(ix + 1, iy)) +
+         fy * ((1 - fx) * p.at(ix, iy + 1) + fx * p.at(ix + 1, iy + 1));
+}
+
+struct At {
+  double x, y;
+  [[nodiscard]] bool inside(int width, int height) const {
+    return x >= 0 && y >= 0 && x <= width - 1 && y <= height - 1;
+  }
+};
+At mapped(const LevelMap& m, double qx, double qy) {
+  return {m.x + static_cast<double>(m.a) * qx + static_cast<double>(m.b) * qy,
+          m.y - static_cast<double>(m.b) * qx + static_cast<double>(m.a) * qy};
+}
+
+/// Points of a part 60 px wide, somewhere in or partly outside a picture of 90 x 70.
+class PointKernels : public ::testing::TestWithParam<int> {
+ protected:
+  std::mt19937 rng{static_cast<unsigned>(GetParam())};
+  int count = GetParam();
+  image::Image picture = random_picture(rng, 90, 70);
+  Column qx = random_column(rng, count, -30, 30), qy = random_column(rng, count, -30, 30);
+  Column t = random_column(rng, count, -100, 100);
+  std::array<Column, 4> j{random_column(rng, count, -50, 50), random_column(rng, count, -50, 50),
+                          random_column(rng, count, -50, 50), random_column(rng, count, -50, 50)};
+  PointColumns points{qx.data(), qy.data(), t.data(), {j[0].data(), j[1].data(), j[2].data(), j[3].data()}, count};
+  LevelMap inside{44.3f, 33.8f, 0.5f, 0.3f}, outside{12.25f, 60.5f, 0.8f, -0.6f};
+};
+
+TEST_P(PointKernels, SamplesAreBilinear) {
+  Column s(qx.size()), weight(qx.size());
+  for (const LevelMap& map : {inside, outside})
+    testing::on_every_target([&] {
+      sample_points(picture.view(), points, map, s.data(), weight.data());
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        const At at = mapped(map, qx[i], qy[i]);
+        ASSERT_NEAR(s[i], bilinear(picture.view(), at.x, at.y), 0.02)
+            << i;  // 255 per pixel times rounding of the place
+        const At near{std::round(at.x * 1e4) / 1e4, std::round(at.y * 1e4) / 1e4};
+        if (near.x > 0 && near.y > 0 && near.x < 89 && near.y < 69) {
+          ASSERT_EQ(weight[i], 1.f) << i;
+        } else if (near.x < 0 || near.y < 0 || near.x > 89 || near.y > 69) {
+          ASSERT_EQ(weight[i], 0.f) << i;
+        }
+      }
+    });
+}
+
+TEST_P(PointKernels, SumsAreThoseOfTheFormula) {
+  PointSums expected;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const At at = mapped(inside, qx[i], qy[i]);
+    const double s = bilinear(picture.view(), at.x, at.y) - 128;
+    expected.s += s, expected.ss += s * s, expected.st += s * t[i];
+    for (std::size_t k = 0; k < 4; ++k) expected.sj[k] += s * j[k][i];
+  }
+  testing::on_every_target([&] {
+    const PointSums sums = sum_points(picture.view(), points, inside);
+    EXPECT_NEAR(sums.s, expected.s, 0.01 * count);
+    EXPECT_NEAR(sums.ss, expected.ss, 1.0 * count);
+    EXPECT_NEAR(sums.st, expected.st, 1.0 * count);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(sums.sj[k], expected.sj[k], 0.5 * count);
+  });
+}
+
+TEST_P(PointKernels, WeightedSumsAreThoseOfTheFormula) {
+  const Column s = random_column(rng, count, 0, 255), weight = random_column(rng, count, 0, 1);
+  std::array<double, 27> expected{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const double c[6] = {1, t[i], j[0][i], j[1][i], j[2][i], j[3][i]};
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < 6; ++a) {
+      for (std::size_t b = a; b < 6; ++b) expected[k++] += weight[i] * c[a] * c[b];
+      expected[21 + a] += weight[i] * c[a] * (s[i] - 128.0);
+    }
+  }
+  testing::on_every_target([&] {
+    std::array<float, 27> sums{};
+    sum_weighted(points, s.data(), weight.data(), sums.data());
+    for (std::size_t k = 0; k < 27; ++k) ASSERT_NEAR(sums[k], expected[k], 0.01 * count) << k;
+  });
+}
+
+TEST_P(PointKernels, EdgesAgreeAsTheFormulaSays) {
+  OrientationField field;
+  orientation_field(picture.view(), field);
+  const Column c2 = random_column(rng, count, -1, 1), s2 = random_column(rng, count, -1, 1);
+  const auto component = [&](const At& at, int part) {
+    const int ix = std::min(static_cast<int>(at.x), 88), iy = std::min(static_cast<int>(at.y), 68);
+    const double fx = at.x - ix, fy = at.y - iy;
+    const auto v = [&](int x, int y) { return static_cast<double>(field.at(2 * x + part, y)); };
+    return (1 - fy) * ((1 - fx) * v(ix, iy) + fx * v(ix + 1, iy)) +
+           fy * ((1 - fx) * v(ix, iy + 1) + fx * v(ix + 1, iy + 1));
+  };
+  for (const LevelMap& map : {inside, outside}) {
+    double expected = 0;
+    const double angle = 2 * std::atan2(map.b, map.a);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const At at = mapped(map, qx[i], qy[i]);
+      if (!at.inside(90, 70)) continue;
+      const double turned_c = c2[i] * std::cos(angle) + s2[i] * std::sin(angle);
+      const double turned_s = s2[i] * std::cos(angle) - c2[i] * std::sin(angle);
+      expected += component(at, 0) * turned_c + component(at, 1) * turned_s;
+    }
+    testing::on_every_target([&] {
+      const float sum = sum_edges(field.view(), {qx.data(), qy.data(), c2.data(), s2.data(), count}, map);
+      EXPECT_NEAR(sum, expected, 0.02 * count);
+    });
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Counts, PointKernels, ::testing::Values(1, 15, 16, 17, 200));
+
+/// A straight edge with a known place: every point finds it, at the distance that geometry says.
+TEST(ContourKernel, FindsAnEdgeWhereItIs) {
+  constexpr double kAngle = 0.4, kOffset = 45;
+  image::Image picture(100, 100);
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) {
+      const double far = x * std::cos(kAngle) + y * std::sin(kAngle) - kOffset;
+      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(128 + 100 * std::tanh(far / 1.2)));
+    }
+  std::mt19937 rng(5);
+  const int count = 37;
+  Column x = random_column(rng, count, -15, 15), y = random_column(rng, count, -1.5, 1.5), nx(x.size()), ny(x.size());
+  std::fill(ny.begin(), ny.end(), 1.f);                // the part's normal is its y axis ...
+  const double turn = -kAngle + std::numbers::pi / 2;  // ... which this turn carries onto the edge's normal
+  const double cx = kOffset * std::cos(kAngle) - 25 * std::sin(kAngle) + 3;  // near it, and far from the border
+  const double cy = kOffset * std::sin(kAngle) + 25 * std::cos(kAngle) - 1;
+  const LevelMap map{static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(std::cos(turn)),
+                     static_cast<float>(std::sin(turn))};
+  for (const bool smooth : {false, true})
+    testing::on_every_target([&] {
+      Column distance(x.size());
+      find_edges(picture.view(), {x.data(), y.data(), nx.data(), ny.data(), count}, map, 6, smooth, distance.data());
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        const At at = mapped(map, x[i], y[i]);
+        const double normal_x = map.b, normal_y = map.a;
+        const double to_edge = (kOffset - at.x * std::cos(kAngle) - at.y * std::sin(kAngle)) /
+                               (normal_x * std::cos(kAngle) + normal_y * std::sin(kAngle));
+        ASSERT_NEAR(distance[i], to_edge, 0.1) << i;
+      }
+    });
+}
+
+TEST(ContourKernel, LinesAndTheirSumsAreThoseOfTheFormula) {
+  std::mt19937 rng(6);
+  const int count = 45;
+  const auto column = [&](double lo, double hi) { return random_column(rng, count, lo, hi); };
+  const Column x = column(-30, 30), y = column(-30, 30);
+  Column nx(x.size()), ny(x.size()), seen = column(-2, 2);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    nx[i] = std::cos(static_cast<float>(i)), ny[i] = std::sin(static_cast<float>(i));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); i += 7) seen[i] = kNoEdge;
+  const LevelMap map{10, 20, 0.9f, 0.5f};
+  const double size = std::hypot(map.a, map.b);
+  const Column weight = column(0, 1);
+  testing::on_every_target([&] {
+    Column row[4] = {Column(x.size()), Column(x.size()), Column(x.size()), Column(x.size())};
+    Column distance = seen, found(x.size()), residual(x.size());
+    const LineOutput out{row[0].data(), row[1].data(), row[2].data(), row[3].data(), distance.data(), found.data()};
+    EXPECT_EQ(make_lines({x.data(), y.data(), nx.data(), ny.data(), count}, map, out), count - 7);
+    const LineColumns lines{row[0].data(),   row[1].data(), row[2].data(), row[3].data(),
+                            distance.data(), weight.data(), count};
+    float sums[14];
+    sum_lines(lines, sums);
+    const float movement[4] = {0.3f, -0.2f, 0.01f, 0.02f};
+    line_residuals(lines, movement, residual.data());
+    double expected[14] = {};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const At arm = mapped({0, 0, map.a, map.b}, x[i], y[i]), normal = mapped({0, 0, map.a, map.b}, nx[i], ny[i]);
+      const double u = normal.x / size, v = normal.y / size;
+      const double c[4] = {u, v, u * arm.y - v * arm.x, u * arm.x + v * arm.y};
+      const double d = i % 7 == 0 ? 0 : seen[i];
+      ASSERT_EQ(found[i], i % 7 == 0 ? 0.f : 1.f) << i;
+      double left = d;
+      std::size_t k = 0;
+      for (std::size_t p = 0; p < 4; ++p) {
+        ASSERT_NEAR(row[p][i], c[p], 1e-4) << p << ", " << i;
+        left -= c[p] * static_cast<double>(movement[p]);
+        expected[10 + p] += weight[i] * c[p] * d;
+        for (std::size_t q = p; q < 4; ++q, ++k) expected[k] += weight[i] * c[p] * c[q];
+      }
+      ASSERT_NEAR(residual[i], std::abs(left), 1e-4) << i;
+    }
+    for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(sums[k], expected[k], 2e-3 * count) << k;
+  });
+}
+
+/// Rounded to bytes, so at most one unit from the formula, on every target.
+TEST(OrientationKernel, IsTheSmoothedTensorOfTheFormula) {
+  std::mt19937 rng(7);
+  const image::Image picture = random_picture(rng, 83, 29);
+  const auto grey = [&](int x, int y) -> double { return picture.at(std::clamp(x, 0, 82), std::clamp(y, 0, 28)); };
+  const auto tensor = [&](int x, int y) {
+    x = std::clamp(x, 0, 82), y = std::clamp(y, 0, 28);
+    const double gx = (grey(x + 1, y) - grey(x - 1, y)) / 2, gy = (grey(x, y + 1) - grey(x, y - 1)) / 2;
+    return std::array<double, 3>{gx * gx - gy * gy, 2 * gx * gy, gx * gx + gy * gy};
+  };
+  testing::on_every_target([&] {
+    OrientationField field;
+    orientation_field(picture.view(), field);
+    for (int y = 0; y < 29; ++y)
+      for (int x = 0; x < 83; ++x) {
+        std::array<double, 3> sum{};
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx)
+            for (std::size_t q = 0; q < 3; ++q)
+              sum[q] += (2 - std::abs(dx)) * (2 - std::abs(dy)) * tensor(x + dx, y + dy)[q] / 16;
+        const double k = 127 / (sum[2] + kEdgeGrey * kEdgeGrey);
+        ASSERT_NEAR(field.at(2 * x, y), k * sum[0], 0.51) << x << ", " << y;
+        ASSERT_NEAR(field.at(2 * x + 1, y), k * sum[1], 0.51) << x << ", " << y;
+      }
+  });
+}
+
+}  // namespace
+}  // namespace pickcell::matches
