@@ -5,7 +5,7 @@
 packages_build=(g++ cmake ninja-build libeigen3-dev libexpected-dev nlohmann-json3-dev libtomlplusplus-dev libcli11-dev
   libhwy-dev libpng-dev libjpeg-dev zlib1g-dev libsqlite3-dev libboost-dev)
 packages_aravis=(libaravis-dev)  # GigE Vision and USB3 Vision; some 80 MB, so only when it is asked for
-# OpenCV's detectors and Ceres, for calibrate (PICKCELL_WITH_CALIBRATION); about 600 MB with what they pull in, 1 to 2 minutes.
+# OpenCV's detectors and Ceres, for calibrate (PICKCELL_WITH_CALIBRATION); some 240 MB to fetch and 1 GB on disk, 1 to 2 minutes.
 packages_calibration=(libopencv-contrib-dev libceres-dev)
 # aravis-tools: the fake camera that ours is judged against
 packages_check=("${packages_calibration[@]}" "${packages_aravis[@]}" aravis-tools git python3 ccache libgtest-dev libgmock-dev
