@@ -25,7 +25,7 @@ constexpr double kDemanded = 0.999;
 struct Calls {
   double budget_ms = 0;
   int calls = 0, within = 0, incomplete = 0;
-  double median_ms = 0, worst_ms = 0;
+  double median_ms = 0, worst_ms = 0, longest_step_ms = 0;
   [[nodiscard]] double allowed_ms() const { return budget_ms + std::max(0.1 * budget_ms, 0.3); }
   [[nodiscard]] double share() const { return static_cast<double>(within) / calls; }
 };
@@ -63,6 +63,7 @@ Calls measure(matches::Engine& engine, const std::vector<Case>& all, double budg
     const auto found = engine.find(pyramid, one, options);
     const double ms = matches::thread_cpu_ms() - start_ms;
     if (found && !found->complete) ++result.incomplete;
+    if (found) result.longest_step_ms = std::max(result.longest_step_ms, found->longest_step_ms);
     times.push_back(ms);
     ++result.calls;
     if (ms <= result.allowed_ms()) ++result.within;
@@ -94,12 +95,17 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
     char line[200];
     std::snprintf(
         line, sizeof line,
-        "budget %4.1f ms: %d of %d calls within %.2f ms (%.2f %%), median %.2f, worst %.2f ms, %d cut short\n",
-        c.budget_ms, c.within, c.calls, c.allowed_ms(), 100 * c.share(), c.median_ms, c.worst_ms, c.incomplete);
+        "budget %4.1f ms: %d of %d calls within %.2f ms (%.2f %%), median %.2f, worst %.2f ms, %d cut short; longest "
+        "step %.2f ms\n",
+        c.budget_ms, c.within, c.calls, c.allowed_ms(), 100 * c.share(), c.median_ms, c.worst_ms, c.incomplete,
+        c.longest_step_ms);
     text += line;
     core::Json entry;
     entry.set("budget_ms", c.budget_ms).set("calls", c.calls).set("within", c.within).set("allowed_ms", c.allowed_ms());
-    entry.set("median_ms", c.median_ms).set("worst_ms", c.worst_ms).set("incomplete", c.incomplete);
+    entry.set("median_ms", c.median_ms)
+        .set("worst_ms", c.worst_ms)
+        .set("incomplete", c.incomplete)
+        .set("longest_step_ms", c.longest_step_ms);
     list.push(entry);
   }
   std::ofstream(options.out / "budget.txt") << text;

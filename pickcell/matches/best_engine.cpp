@@ -14,10 +14,10 @@ namespace pickcell::matches {
 namespace {
 
 constexpr int kMostMatches = 200;
-constexpr int kPerLocation = 6;         // of several parts: candidates for one of them
-constexpr float kRelativeLimit = 0.35f;  // and how far below the best they are looked at
+constexpr int kPerLocation = 5;         // of several parts: candidates for one of them
+constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at
 constexpr double kForget = 0.995;       // of the finishing time, per call
-constexpr double kSpread = 1.15;        // the next call may take a little longer
+constexpr double kSpread = 1.3;         // the next call may take a little longer
 constexpr double kMostFinishing = 0.6;  // of the budget
 
 core::Status check(const SearchOptions& o) {
@@ -151,6 +151,10 @@ bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOpt
          acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
+void BestEngine::prepare_wide(BestModel& model) const {
+  if (model.wide.empty()) model.wide = build_coarse_bands(model.pyramid, settings_.wide.detail, model.scale);
+}
+
 void BestEngine::prepare_thorough(BestModel& model) const {
   if (model.thorough.empty())
     model.thorough = build_coarse_bands(model.pyramid, settings_.thorough.detail, model.scale);
@@ -160,7 +164,9 @@ void BestEngine::prepare(std::span<const Model* const> models, const SearchOptio
   if (!check(options)) return;
   for (const Model* model : models) {
     BestModel& own = prepared(*model, options.scale.value_or(model->scale));
-    if (settings_.effort != Effort::quick) prepare_thorough(own);
+    if (options.max_matches > 1 && settings_.effort != Effort::thorough) prepare_wide(own);
+    if (settings_.effort == Effort::thorough || (options.max_matches == 1 && settings_.effort != Effort::quick))
+      prepare_thorough(own);
   }
 }
 
@@ -174,9 +180,12 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     merge(descend(part, model, *f.templates, pass, options, budget, result), model, all);
   };
   if (settings_.effort != Effort::thorough) {
-    const int most = std::max(settings_.quick.candidates, settings_.wide.candidates);
+    const int most = std::max(settings_.quick.candidates, settings_.wide.candidates) +
+                     (several ? kPerLocation * options.max_matches : 0);  // no part pushes out another
     const auto few = static_cast<std::size_t>(several ? most : settings_.quick.candidates);
-    const std::pmr::vector<Found> bands = candidates(model, model.quick, most, options, budget, result);
+    if (several) prepare_wide(model);
+    const std::pmr::vector<Found> bands =
+        candidates(model, several ? model.wide : model.quick, most, options, budget, result);
     for (const Found& f : bands) {
       add(f, 0, few, several ? settings_.wide : settings_.quick);
       if (enough()) return all;
@@ -234,6 +243,7 @@ core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const 
   }
   selection.finish(result);
   result.complete = !budget.spent();
+  result.longest_step_ms = budget.longest_step_ms();
   if (!result.complete) note_finishing(options, cpu_ms_() - start_ms);
   return {};
 }

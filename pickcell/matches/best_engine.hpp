@@ -5,12 +5,14 @@
 ///   maxima follow          candidates down the pyramid; refine: Gauss-Newton on grey values and a contour fit, the
 ///   better is kept selection       threshold, border, overlap, limit; covariance, visible share, ambiguous angles
 /// Three passes for a single part, each only where the one before is not sure: quick; wide, with more candidates of the
-/// same coarse search; thorough, with a finer top level. Several parts: quick and wide at once.
+/// same coarse search; thorough, with a finer top level. Several parts: one pass, wide, with a top level between the
+/// two.
 ///
-/// Score: 0.4 NCC + 0.6 edge score of the reported pose, clamped to 0..1. NCC is taken on the grey values inside the
-/// part; the edge score is the agreement of edge directions, outline included, 1 for the template itself. Sources:
-/// Baker & Matthews (inverse compositional Gauss-Newton), Steger (edge directions as a measure of similarity), Besl &
-/// McKay (iterated closest points); gradient directions of the doubled angle as in the structure tensor.
+/// Guided by: 0.4 NCC + 0.6 edge score. NCC is taken on the grey values inside the part; the edge score is the
+/// agreement of edge directions, outline included, 1 for the template itself. Reported: match_score of the reported
+/// pose, clamped to 0..1. Sources: Baker & Matthews (inverse compositional Gauss-Newton), Steger (edge directions as a
+/// measure of similarity), Besl & McKay (iterated closest points); gradient directions of the doubled angle as in the
+/// structure tensor.
 
 #include <map>
 #include <memory>
@@ -43,6 +45,7 @@ class BestEngine final : public Engine {
   [[nodiscard]] std::string isa() const override { return kernel_target(); }
 
  private:
+  void prepare_wide(BestModel& model) const;
   void prepare_thorough(BestModel& model) const;
   [[nodiscard]] BestModel& prepared(const Model& model, Range scale);
   /// What the coarse search found in one band of the scale range.

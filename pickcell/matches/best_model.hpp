@@ -18,7 +18,8 @@ struct BestModel {
   TemplatePyramid pyramid;
   std::vector<LevelModel> levels;         ///< 0 .. the coarsest level that refinement starts from
   std::vector<CoarseTemplates> quick;     ///< per band of the scale range
-  std::vector<CoarseTemplates> thorough;  ///< built when first needed: empty before
+  std::vector<CoarseTemplates> wide;      ///< built when first needed: empty before
+  std::vector<CoarseTemplates> thorough;  ///< the same
   double side_px = 0;                     ///< sqrt of the mask's area
   /// Box of the mask relative to the anchor, pixels: its outer edges.
   double x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "pickcell/matches/best_engine.hpp"
+#include "pickcell/matches/match_score.hpp"
 #include "pickcell/matches/test_scenes.hpp"
 
 namespace pickcell::matches {
@@ -127,6 +129,63 @@ TEST(BestSearch, PartsAtTheBorder) {
       }));
     }
   }
+}
+
+/// Judged anew where the match says it is, every match has the score it states.
+TEST(BestSearch, TheScoreBelongsToTheReportedPose) {
+  const Tray tray;
+  SearchOptions options;
+  options.max_matches = 20;
+  options.min_score = 0.3;
+  BestEngine engine;
+  const auto found = engine.find(tray.pyramid, tray.models(), options);
+  ASSERT_TRUE(found);
+  ASSERT_GE(found->matches.size(), 5u);
+  const BestSettings settings;
+  const std::vector<BestModel> models{prepare_model(tray.first, tray.first.scale, settings),
+                                      prepare_model(tray.second, tray.second.scale, settings)};
+  BestScene scene;
+  scene.start(tray.pyramid);
+  RefineScratch scratch;
+  for (const Match& m : found->matches) {
+    const BestModel& model = models[static_cast<std::size_t>(m.model_index)];
+    const Similarity place = similarity_of(m.pose, model.ref_dx, model.ref_dy);
+    const Hypothesis there = evaluate(scene.level(0), model.levels[0], place, scratch);
+    const double score = match_score(scene.level(0), model.levels[0], there, scratch);
+    EXPECT_NEAR(std::clamp(score, 0.0, 1.0), m.score, 1e-4) << m.pose.x_px << ", " << m.pose.y_px;
+  }
+}
+
+/// From places around the true one, at every level: never a lower score than at the start; at the end no further from
+/// the truth.
+TEST(BestSearch, RefinementNeverMakesAPlaceWorse) {
+  const Tray tray;
+  const BestModel model = prepare_model(tray.first, tray.first.scale, {});
+  BestScene scene;
+  scene.start(tray.pyramid);
+  RefineScratch scratch;
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> off(-1.5, 1.5);
+  for (const Pose2d& truth : tray.firsts)
+    for (int i = 0; i < 15; ++i) {
+      const Pose2d start{truth.x_px + off(rng), truth.y_px + off(rng), truth.angle_deg + off(rng),
+                         truth.scale * (1 + 0.01 * off(rng))};
+      const Similarity place = similarity_of(start, model.ref_dx, model.ref_dy);
+      const auto far = [&](const Hypothesis& h) {
+        return testing::distance_px(pose_of(h.place, model.ref_dx, model.ref_dy), truth);
+      };
+      for (int l = 0; l < static_cast<int>(model.levels.size()); ++l) {
+        const LevelModel& level = model.levels[static_cast<std::size_t>(l)];
+        const Hypothesis before = evaluate(scene.level(l), level, place, scratch);
+        EXPECT_GE(climb(scene.level(l), level, place, model.scale, 3, scratch).score, before.score) << l;
+      }
+      const Hypothesis before = evaluate(scene.level(0), model.levels[0], place, scratch);
+      const Hypothesis settled = settle(scene.level(0), model.levels[0], place, model.scale, scratch);
+      const Hypothesis polished = polish(scene.level(0), model.levels[0], settled, model.scale, scratch);
+      EXPECT_TRUE(settled.score >= before.score || settled.ncc >= before.ncc);
+      EXPECT_LE(far(settled), std::max(0.05, far(before)));
+      EXPECT_LE(far(polished), std::max(0.05, far(settled)));
+    }
 }
 
 }  // namespace

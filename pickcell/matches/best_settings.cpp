@@ -40,6 +40,7 @@ std::vector<Number> numbers(BestSettings& s) {
       {"min_visible", 0.3, 1, &s.min_visible},  {"ambiguous_margin", 0, 1, &s.ambiguous_margin},
   };
   add_detail("quick", s.quick, table);
+  add_detail("wide", s.wide, table);
   add_detail("thorough", s.thorough, table);
   add_pass("quick", s.quick, table);
   add_pass("wide", s.wide, table);
@@ -104,6 +105,9 @@ BestSettings::BestSettings() {
   wide.keep_top = 64;
   wide.keep_mid = 16;
   wide.window = 0.45;
+  wide.detail.side_cells = 15;
+  wide.detail.short_cells = 10;
+  wide.detail.mask_cells = 8;
   thorough.detail.side_cells = 20;
   thorough.detail.short_cells = 10;
   thorough.detail.mask_cells = 11;
@@ -127,7 +131,7 @@ core::Result<BestSettings> parse_best_settings(const Settings& settings) {
     }
     if (!done) return core::forward(done);
   }
-  s.quick.detail.min_visible = s.thorough.detail.min_visible = s.min_visible;
+  s.quick.detail.min_visible = s.wide.detail.min_visible = s.thorough.detail.min_visible = s.min_visible;
   return s;
 }
 

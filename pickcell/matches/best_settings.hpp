@@ -22,7 +22,7 @@ enum class Effort { quick, automatic, thorough };
 
 struct BestSettings {
   PassSettings quick;
-  PassSettings wide;                  ///< more candidates of quick's coarse search; its own detail is not used
+  PassSettings wide;                  ///< one part: more candidates of quick's coarse search; several: a finer one
   PassSettings thorough;              ///< a finer coarse search
   Effort effort = Effort::automatic;  ///< automatic: the next pass only where the one before is not sure
   double accept_ncc = 0.8;            ///< a pass's best match is believed from here on ...

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kFewestObservations = 12;
 constexpr float kLeastSpread_px = 0.08f;
+constexpr double kArrived_px = 0.02;  // of the rim: what a further iteration would change less than noise does
 
 /// Looks for edges from one place; the number found.
 int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
@@ -76,7 +77,8 @@ std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch
   }
 }
 
-/// The pixels under the points, and their right and lower neighbours.
+}  // namespace
+
 void need_under(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
   float x0 = m.x, x1 = m.x, y0 = m.y, y1 = m.y;
   for (const float qx : {e.x_lo, e.x_hi})
@@ -88,8 +90,6 @@ void need_under(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
   const auto whole = [](float v) { return static_cast<int>(std::clamp(v, -1e6f, 1e6f)); };
   scene.need(whole(x0) - 2, whole(y0) - 2, whole(x1) + 3, whole(y1) + 3);
 }
-
-}  // namespace
 
 double edge_score(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
   const image::View<std::int8_t> field = scene.view();
@@ -115,6 +115,8 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
     const bool ran_away =
         std::hypot(s.x_px - start.x_px, s.y_px - start.y_px) > 4 * k + 4 || std::abs(s.scale / start.scale - 1) > 0.12;
     if (ran_away) return {};
+    const double rim_px = static_cast<double>(points.radius) * std::hypot((*m)[2], (*m)[3]);
+    if (std::hypot((*m)[0], (*m)[1]) + rim_px < kArrived_px) break;
   }
   return s;
 }

@@ -11,6 +11,9 @@
 
 namespace pickcell::matches {
 
+/// Has the field computed at the pixels under the points, and at their right and lower neighbours.
+void need_under(LazyField& scene, const EdgePoints& points, const LevelMap& map);
+
 /// How well the scene's edge directions agree with the template's, weighed by the template's field: 1 for the template
 /// itself, about 0 where directions are random, negative where they are across. Points outside the picture count 0.
 [[nodiscard]] double edge_score(LazyField& scene, const EdgePoints& points, const LevelMap& map);
@@ -24,7 +27,7 @@ struct ContourScratch {
 };
 
 struct ContourSearch {
-  int iterations = 2;
+  int iterations = 2;      ///< at most
   float radius_px = 2.5f;  ///< of the first iteration, pixels of the level; shrinks by 0.7 to 1.5
   bool smooth = false;     ///< average along the tangent (level 0, where noise is)
 };

@@ -157,6 +157,7 @@ ContourPoints choose_contour_points(const TemplatePyramid& t, int level, int max
     out.y.push_back(f.y - anchor.y);
     out.nx.push_back(f.nx);
     out.ny.push_back(f.ny);
+    out.radius = std::max(out.radius, std::hypot(out.x.back(), out.y.back()));
     ++out.count;
   }
   pad({&out.x, &out.y, &out.nx, &out.ny});

@@ -27,6 +27,7 @@ struct ContourPoints {
   std::vector<float> x, y;
   std::vector<float> nx, ny;
   int count = 0;
+  float radius = 1;  ///< of the furthest point from the anchor
 
   [[nodiscard]] ContourColumns columns() const { return {x.data(), y.data(), nx.data(), ny.data(), count}; }
 };

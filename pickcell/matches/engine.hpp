@@ -50,7 +50,8 @@ struct FindResult {
   std::vector<Match> matches;      ///< sorted by score, best first
   std::vector<Rejected> rejected;  ///< with SearchOptions::explain
   std::vector<StageReport> stages;
-  bool complete = true;  ///< false when the budget cut the search
+  bool complete = true;        ///< false when the budget cut the search
+  double longest_step_ms = 0;  ///< with a budget: the longest time that was not looked at the clock
 };
 
 class Engine {

@@ -32,7 +32,7 @@ GreyFit fit_constant(image::ImageView level, const GreyPoints& p, const LevelMap
   GreyFit fit;
   fit.inside = 1;
   fit.contrast = std::sqrt(variance);
-  if (fit.contrast < kLeastContrast) return fit;
+  if (fit.contrast < kLeastContrast || p.energy <= 0) return fit;  // a flat template has no correlation either
   fit.ncc = sums.st / std::sqrt(variance * n * p.energy);
   Eigen::Matrix<double, 5, 1> v;
   v << sums.st, sums.sj[0], sums.sj[1], sums.sj[2], sums.sj[3];

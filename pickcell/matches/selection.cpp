@@ -8,6 +8,7 @@
 
 #include "pickcell/matches/fit_quality.hpp"
 #include "pickcell/matches/limits.hpp"
+#include "pickcell/matches/match_score.hpp"
 #include "pickcell/matches/turns.hpp"
 
 namespace pickcell::matches {
@@ -40,11 +41,6 @@ Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, d
   return J * C * J.transpose();
 }
 
-bool better(const Hypothesis& a, int model_a, const Hypothesis& b, int model_b) {
-  if (a.score != b.score) return a.score > b.score;
-  return std::tie(model_a, a.place.y_px, a.place.x_px) < std::tie(model_b, b.place.y_px, b.place.x_px);
-}
-
 bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
   return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < 0.12 * side_px;
 }
@@ -74,15 +70,21 @@ Selection::Selection(BestScene& scene, const SearchOptions& options, const BestS
       entries_(memory),
       turned_(memory) {}
 
-Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) const {
-  return {&model, model_index, h, model.outline(h.place), std::pmr::vector<double>(memory_)};
+double Selection::score_of(const BestModel& model, const Hypothesis& h) {
+  return match_score(scene_.level(0), model.levels[0], h, scratch_);
+}
+
+Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) {
+  return {&model, model_index, h, score_of(model, h), model.outline(h.place), std::pmr::vector<double>(memory_)};
 }
 
 void Selection::add(const BestModel& model, int model_index, Followed followed) {
   for (const Hypothesis& h : followed.found) entries_.push_back(entry(model, model_index, h));
   if (!options_.explain) return;
-  for (const Dropped& d : followed.dropped)
+  for (const Dropped& d : followed.dropped) {  // with the score for which it was dropped, of a coarser level
     turned_.push_back({entry(model, model_index, d.hypothesis), d.reason, d.stage});
+    turned_.back().entry.score = d.hypothesis.score;
+  }
 }
 
 void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
@@ -107,7 +109,10 @@ void Selection::resolve_angle(Entry& e) {
     for (const Hypothesis& h : settled_turns(e.h, *e.model, allowed, scene_, scratch_, budget_, memory_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
   const Hypothesis* best = best_turn(tries, e.h.place, e.model->side_px);
-  e.h = *best;
+  if (best != &tries.front()) {
+    e.h = *best;
+    e.score = score_of(*e.model, e.h);
+  }
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
     if (std::abs(wrap_rad(t.place.angle_rad - e.h.place.angle_rad)) * kDegPerRad > kSameTurn_deg &&
@@ -117,14 +122,14 @@ void Selection::resolve_angle(Entry& e) {
 
 /// Whether the entry may still become a match: what is far below is not worth another look.
 bool Selection::contender(const Entry& e) const {
-  if (e.h.score + (options_.max_matches > 1 ? kMayRiseSeveral : kMayRise) < limit_of(e)) return false;
+  if (e.score + (options_.max_matches > 1 ? kMayRiseSeveral : kMayRise) < limit_of(e)) return false;
   if (options_.max_matches > 1) return true;
   const double best = std::accumulate(entries_.begin(), entries_.end(), -1.0, [&](double b, const Entry& o) {
-    return o.model == e.model ? std::max(b, o.h.score) : b;
+    return o.model == e.model ? std::max(b, o.score) : b;
   });
-  if (e.h.score < best - kMayRise) return false;
+  if (e.score < best - kMayRise) return false;
   const auto better_ones = std::count_if(entries_.begin(), entries_.end(),
-                                         [&](const Entry& o) { return o.model == e.model && o.h.score > e.h.score; });
+                                         [&](const Entry& o) { return o.model == e.model && o.score > e.score; });
   return better_ones < static_cast<std::ptrdiff_t>(kContenders);
 }
 
@@ -149,7 +154,7 @@ const RejectReason* Selection::fault(const Entry& e) const {
     if (p.x_px < r.x - 0.5 || p.y_px < r.y - 0.5 || p.x_px > r.x + r.w - 0.5 || p.y_px > r.y + r.h - 0.5)
       return &kLimit;
   }
-  if (e.h.score < limit_of(e)) return &kScore;
+  if (e.score < limit_of(e)) return &kScore;
   return nullptr;
 }
 
@@ -171,7 +176,11 @@ void Selection::finish(FindResult& result) {
     else
       passed.push_back(std::move(e));
   }
-  const auto order = [](const Entry& a, const Entry& b) { return better(a.h, a.model_index, b.h, b.model_index); };
+  const auto order = [](const Entry& a, const Entry& b) {
+    if (a.score != b.score) return a.score > b.score;
+    return std::tie(a.model_index, a.h.place.y_px, a.h.place.x_px) <
+           std::tie(b.model_index, b.h.place.y_px, b.h.place.x_px);
+  };
   std::sort(passed.begin(), passed.end(), order);
   for (Entry& e : passed) {
     const auto rival = std::find_if(
@@ -212,7 +221,7 @@ void Selection::describe(const Entry& e, Match& m) {
   m.model = e.model->model->name;
   m.model_index = e.model_index;
   m.pose = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
-  m.score = std::clamp(e.h.score, 0.0, 1.0);
+  m.score = std::clamp(e.score, 0.0, 1.0);
   const SceneLevel scene = scene_.level(0);
   const FitQuality q = judge_fit(scene.grey, e.model->levels[0].grey, at_level(e.h.place, 0), scratch_.grey);
   m.visible = q.visible;

@@ -27,6 +27,7 @@ class Selection {
     const BestModel* model;
     int model_index;
     Hypothesis h;
+    double score;  ///< match_score of h
     RotatedRect outline;
     std::pmr::vector<double> ambiguous_deg;
   };
@@ -35,7 +36,8 @@ class Selection {
     RejectReason reason;
     Stage stage;
   };
-  [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h) const;
+  [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h);
+  [[nodiscard]] double score_of(const BestModel& model, const Hypothesis& h);
   [[nodiscard]] bool contender(const Entry& e) const;
   [[nodiscard]] double limit_of(const Entry& e) const;
   void resolve_angle(Entry& e);

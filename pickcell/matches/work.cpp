@@ -21,11 +21,19 @@ double thread_cpu_ms() {
 }
 
 WorkBudget::WorkBudget(std::optional<double> limit_ms, CpuClock clock)
-    : limit_ms_(limit_ms), clock_(std::move(clock)), start_ms_(limit_ms ? clock_() : 0), owner_(this_thread()) {}
+    : limit_ms_(limit_ms),
+      clock_(std::move(clock)),
+      start_ms_(limit_ms ? clock_() : 0),
+      last_look_ms_(start_ms_),
+      owner_(this_thread()) {}
 
 bool WorkBudget::spent() {
   if (!limit_ms_) return false;
-  if (!spent_ && this_thread() == owner_ && clock_() - start_ms_ >= *limit_ms_) spent_ = true;
+  if (spent_ || this_thread() != owner_) return spent_;
+  const double now_ms = clock_();
+  longest_step_ms_ = std::max(longest_step_ms_, now_ms - last_look_ms_);
+  last_look_ms_ = now_ms;
+  if (now_ms - start_ms_ >= *limit_ms_) spent_ = true;
   return spent_;
 }
 

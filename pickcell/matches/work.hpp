@@ -18,11 +18,15 @@ class WorkBudget {
   explicit WorkBudget(std::optional<double> limit_ms = {}, CpuClock clock = thread_cpu_ms);
   /// True once the limit has been reached; stays true.
   [[nodiscard]] bool spent();
+  /// The longest time between two looks at the clock so far: by so much a search may go on after its end.
+  [[nodiscard]] double longest_step_ms() const { return longest_step_ms_; }
 
  private:
   std::optional<double> limit_ms_;
   CpuClock clock_;
   double start_ms_;
+  double last_look_ms_;
+  double longest_step_ms_ = 0;
   std::atomic<bool> spent_{false};
   std::size_t owner_;
 };

@@ -124,7 +124,7 @@ TEST(SharedData, RealPairs) {
   const auto text = core::read_text_file(fs::path(PICKCELL_SOURCE_DIR) / "tests/accuracy/pairs.txt");
   ASSERT_TRUE(text);
   const std::vector<Pair> pairs = read_pairs(*text);
-  ASSERT_EQ(pairs.size(), 4u);
+  ASSERT_EQ(pairs.size(), 5u);
   for (const Pair& pair : pairs) {
     std::vector<std::string> command{"match", (*set / pair.command[0]).string(), (*set / pair.command[1]).string()};
     command.insert(command.end(), pair.command.begin() + 2, pair.command.end());
