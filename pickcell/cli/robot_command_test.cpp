@@ -124,7 +124,9 @@ TEST_P(RobotCommand, TheHistoryOfAlarms) {
   });
   const bool hses = std::string(GetParam()) == "hses";
   ASSERT_EQ(robot({"alarms", "--history", "5", "--json"}), hses ? 0 : 2) << err_;
-  if (hses) EXPECT_THAT(out_, HasSubstr("4107"));
+  if (hses) {
+    EXPECT_THAT(out_, HasSubstr("4107"));
+  }
 }
 
 TEST_P(RobotCommand, NothingMovesWithoutPermission) {
