@@ -84,9 +84,13 @@ function(pickcell_test NAME)
     add_custom_target(tests_${T_LABEL})  # all programs of one label, for ./check --label
   endif()
   add_dependencies(tests_${T_LABEL} ${NAME})
+  set(alone FALSE)
+  if(T_LABEL STREQUAL camera)
+    set(alone TRUE)  # a camera sends whether anybody has time for it or not
+  endif()
   include(GoogleTest)
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} RUN_SERIAL ${alone} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
 endfunction()
 
 function(pickcell_warnings TARGET)

@@ -11,7 +11,7 @@ namespace {
 
 TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   FaultSoakOptions options;
-  options.picks = 120;
+  options.picks = 180;
   options.seed = 20261125;
   options.answer_timeout = std::chrono::milliseconds(100);  // also under a sanitizer
   options.folder = std::filesystem::path(::testing::TempDir()) / ("pickcell_soak_" + std::to_string(getpid()));
@@ -22,7 +22,7 @@ TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   EXPECT_EQ(report->lost, 0);
   EXPECT_EQ(report->forbidden_motions, 0);
   EXPECT_EQ(report->stops_explained, report->stops);
-  EXPECT_GE(report->parts, 120);
+  EXPECT_GE(report->parts, 180);
   EXPECT_EQ(report->done + report->refused + report->unknown, report->parts);
   // It was no walk in the park.
   EXPECT_GT(report->stops, 30);

@@ -24,7 +24,7 @@ core::Result<CellFile> prepare_cell(const Sample& sample, const fs::path& folder
   fs::remove_all(folder, ignored);  // a journal of an earlier run would resume it
   DemoOptions demo;
   demo.seed = seed;
-  demo.now_unix_us = core::RealClock().unix_us();
+  demo.now_unix_us = core::SimulatedClock().unix_us();  // the cell runs in simulated time
   demo.kinds = {sample.kind};
   demo.camera_width_px = 752;
   demo.camera_height_px = 580;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
@@ -30,9 +31,9 @@ inline std::filesystem::path prepared_demo() {
 class DemoCell : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              ("pickcell_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + "_" +
-               std::to_string(getpid()));
+    std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("pickcell_" + name + "_" + std::to_string(getpid()));
     std::filesystem::remove_all(folder_);
     std::filesystem::copy(prepared_demo(), folder_, std::filesystem::copy_options::recursive);
   }
