@@ -115,6 +115,7 @@ class Cell final : public CellPort {
   [[nodiscard]] Or<void> judge(const robot::Outcome& outcome);
   [[nodiscard]] Or<void> feed();
   [[nodiscard]] Or<void> move_belt();
+  [[nodiscard]] Or<void> wait_until_belt_stands();
   /// Sleeps one poll of the clock and looks at the arm.
   [[nodiscard]] Or<robot::RobotState> rest(Arm::Need need);
   void give_up_on_stubborn(Sight& sight) const;

@@ -52,6 +52,7 @@ Or<void> Cell::begin_work() {
   if (auto settled = settle(); !settled) return settled;
   // The job runs and nothing is left to settle: what is still open here never reached the controller.
   if (ledger_.open()) ledger_.give_back("", "was not handed over");
+  if (auto stands = wait_until_belt_stands(); !stands) return stands;
   if (camera_check_)
     if (auto stands = check_camera(); !stands) return stands;
   ledger_.cycle_begins();
@@ -312,6 +313,21 @@ Or<void> Cell::feed() {
   while (seat_->now() < until && !desk_.asked(Command::stop))
     if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
   return {};
+}
+
+/// What stopped the cell may have stopped it in the middle of a pitch, which ends by itself.
+Or<void> Cell::wait_until_belt_stands() {
+  if (settings_.feed.kind != FeedKind::indexed) return {};
+  const core::TimePoint deadline = seat_->now() + duration_s(settings_.feed.timeout_s);
+  for (;;) {
+    const auto moving = arm_.robot().read_contact(settings_.feed.moving_contact);
+    if (!moving) return arm_.failed(moving.error(), "watching the belt");
+    if (!*moving) return {};
+    show_step("waiting until the belt stands");
+    if (seat_->now() > deadline)
+      return fault("FEED", "the belt does not stop", "look at the belt's drive and its signals, then press Reset");
+    if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
+  }
 }
 
 Or<void> Cell::move_belt() {

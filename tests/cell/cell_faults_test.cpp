@@ -142,6 +142,22 @@ TEST_F(CellFaults, NoAnswerMidPickHoldsTheArm) {
   expect_nothing_lost_or_doubled();
 }
 
+/// Whatever stopped the cell while the belt moved: the next picture is of a belt that stands.
+TEST_F(CellFaults, AStartWhileTheBeltStillMovesWaitsForItToStand) {
+  set_up(12);
+  each_change = [this, done = false](const Snapshot& s) mutable {
+    if (done || s.step != "moving the belt" || s.counters.submitted == 0) return;
+    if (!setup_.plant->world.input(sim::kFeedMovingInput, setup_.clock->now())) return;
+    done = true;
+    setup_.plant->controller->kill();
+    EXPECT_TRUE(setup_.plant->controller->revive());
+  };
+  setup_.cell->open();
+  (void)wait_fault();
+  reset_start_finish(12);
+  expect_nothing_lost_or_doubled();  // no grip beside the parts
+}
+
 TEST_F(CellFaults, RefusalWith2060) {
   set_up(3);
   // An alarm raised between two picks: the next write is refused with 2060 (error or alarm present), or the cell sees
