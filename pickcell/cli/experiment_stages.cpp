@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <memory_resource>
 #include <numbers>
 #include <ostream>
 
@@ -75,7 +76,7 @@ class Stages {
       : model_(model), best_(matches::prepare_model(model, model.scale, settings_)) {
     pyramid_.build(picture);
     scene_.start(pyramid_);
-    coarse_ = &scene_.coarse(best_.quick.factor, best_.quick.reach);
+    coarse_ = &scene_.coarse(band().factor, band().reach);
     auto engine = matches::make_engine("best", {});
     matches::SearchOptions options;
     options.explain = true;
@@ -106,7 +107,7 @@ class Stages {
     image::Plane<float> most(coarse_->width, coarse_->height),
         own(coarse_->width + matches::kKernelBlock, coarse_->height);
     most.fill(-1);
-    for (const matches::CoarseTile& tile : best_.quick.tiles) {
+    for (const matches::CoarseTile& tile : band().tiles) {
       std::vector<std::int32_t> offsets;
       for (std::size_t k = 0; k < tile.dx.size(); ++k) offsets.push_back(tile.dy[k] * coarse_->stride() + tile.dx[k]);
       const matches::FourTemplates four{offsets,
@@ -174,12 +175,16 @@ class Stages {
   }
 
  private:
+  /// A range of scales as narrow as the rendered set's is one band.
+  [[nodiscard]] const matches::CoarseTemplates& band() const { return best_.quick.front(); }
   [[nodiscard]] int cell_px() const { return std::max(1, 480 / coarse_->width); }
   [[nodiscard]] std::vector<matches::CoarseCandidate> coarse_candidates() {
     matches::WorkBudget unlimited;
     matches::CoarseRequest request;
     request.candidates = settings_.quick.candidates;
-    return search_.run(*coarse_, best_.quick, request, unlimited);
+    std::pmr::vector<matches::CoarseCandidate> out;
+    search_.run(*coarse_, band(), request, unlimited, out);
+    return {out.begin(), out.end()};
   }
   [[nodiscard]] matches::Similarity place_of(const matches::Pose2d& pose) const {
     const auto at = matches::to_scene(model_, pose, best_.pyramid.anchor_x_px, best_.pyramid.anchor_y_px);
@@ -197,7 +202,7 @@ class Stages {
 };
 
 core::Result<int> run(const ExperimentOptions& options, Io& io) {
-  const int number = options.n.value_or(4);
+  const int number = options.n.value_or(12);
   const auto folder = options.out / "set";
   if (auto done = sim::write_rendered_set(folder, options.seed, number); !done) return core::forward(done);
   const auto set = load_dataset(folder);
@@ -229,7 +234,7 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
 
 const ExperimentRegistration registered({"stages",
                                          "a picture per stage of engine best, for docs/matching.md; --n: which picture "
-                                         "of the rendered set (1..75, default 4)",
+                                         "of the rendered set (1..75, default 12)",
                                          false, run});
 
 }  // namespace
