@@ -132,15 +132,19 @@ core::Result<PartPose> Locator::locate(const matches::Match& match, const View& 
   State state(at->x(), at->y(), std::atan2(x_axis.y(), x_axis.x()), std::log(x_axis.norm() * match.pose.scale));
 
   const Similarity wanted(c.x(), c.y(), a, std::log(match.pose.scale));
+  constexpr double kLost_px = 1e-6;  // near the horizon the steps need not meet
   Eigen::Matrix4d J;
+  double left_px = 0;
   for (int step = 0; step < 5; ++step) {  // quadratic convergence: two steps reach 1e-9 px
     Similarity error = wanted - predicted_match(view, state, samples_px_, height_m_);
     error[2] = core::wrap_rad(error[2]);
     J = jacobian(view, state, samples_px_, height_m_);
     state += J.fullPivLu().solve(error);
+    left_px = error.norm();
     if (!state.allFinite()) return outside();
-    if (error.norm() < 1e-9) break;
+    if (left_px < 1e-9) break;
   }
+  if (!(left_px < kLost_px) || !J.fullPivLu().isInvertible()) return outside();
 
   PartPose out;
   out.model = match.model;
