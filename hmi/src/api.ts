@@ -6,7 +6,8 @@ export interface Refusal {
   remedies: string[];
 }
 
-const kTries = 3;
+/** A Start that arrives seconds after the press would surprise whoever stands at the arm; a Stop never comes too late. */
+const kTries: Record<Command, number> = { start: 1, stop: 3, reset: 1 };
 const kAnswerMs = 4000;
 
 /** 128 random bits; crypto.randomUUID does not exist on plain HTTP. */
@@ -14,10 +15,10 @@ export function newKey(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (b) => b.toString(16).padStart(2, '0')).join('');
 }
 
-/** Null when the cell accepted. Network failures are tried again at once, refusals are not. */
+/** Null when the cell accepted. A Stop that got no answer is tried again at once; refusals are not. */
 export async function command(name: Command, unreachable: string): Promise<Refusal | null> {
   const key = newKey();
-  for (let i = 0; i < kTries; ++i) {
+  for (let i = 0; i < kTries[name]; ++i) {
     const abort = new AbortController();
     const timer = setTimeout(() => abort.abort(), kAnswerMs);
     try {
