@@ -19,6 +19,7 @@ namespace {
 struct BenchArguments {
   std::string dataset;
   BenchOptions options;
+  std::string threads = "1";
   std::vector<std::string> settings;
   std::string params_file;
   bool json = false;
@@ -60,6 +61,9 @@ core::Result<int> bench(BenchArguments arguments, Io& io) {
   auto settings = parse_settings(arguments.settings, arguments.params_file);
   if (!settings) return core::forward(settings);
   arguments.options.settings = std::move(*settings);
+  auto threads = parse_threads(arguments.threads);
+  if (!threads) return core::forward(threads);
+  arguments.options.threads = *threads;
   auto set = load_dataset(arguments.dataset);
   if (!set) return core::forward(set);
   auto run = run_bench(*set, arguments.options);
@@ -78,7 +82,7 @@ Runner add_bench(CLI::App& app) {
   BenchOptions& options = arguments->options;
   app.add_option("dataset", arguments->dataset, "folder with truth.json, templates/ and images/");
   app.add_option("--engine", options.engine, "best (default), rst or erst");
-  app.add_option("--threads", options.threads, "threads of one search (default 1; 0: all)")->check(CLI::Range(0, 1024));
+  app.add_option("--threads", arguments->threads, "threads of one search, or all")->capture_default_str();
   app.add_option("--every", options.every, "only the pictures 0, K, 2K, ... of the set's list")
       ->check(CLI::Range(1, 1 << 30));
   app.add_flag("--absent", options.absent, "also search each picture for a part that is not in it");

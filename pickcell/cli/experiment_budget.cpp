@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <ostream>
 #include <random>
@@ -11,6 +10,7 @@
 
 #include "pickcell/cli/blob_scene.hpp"
 #include "pickcell/cli/experiment.hpp"
+#include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/matches/engine.hpp"
 #include "pickcell/matches/work.hpp"
@@ -108,7 +108,8 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
         .set("longest_step_ms", c.longest_step_ms);
     list.push(entry);
   }
-  std::ofstream(options.out / "budget.txt") << text;
+  if (auto written = core::write_file_atomically(options.out / "budget.txt", text); !written)
+    return core::forward(written);
   if (options.json)
     io.out << core::Json().set("budgets", list).set("held", held).dump() << "\n";
   else

@@ -7,13 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numbers>
 #include <ostream>
 #include <random>
 
 #include "pickcell/cli/blob_scene.hpp"
 #include "pickcell/cli/experiment.hpp"
+#include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/matches/engine.hpp"
 
@@ -188,7 +188,8 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
   const Repeatability r = repeat(scene, finder, rng);
   const Consistency c = consistency(options.n.value_or(1000), options.seed + 1);
   const std::string text = table(s, r, c);
-  std::ofstream(options.out / "trueness.txt") << text;
+  if (auto written = core::write_file_atomically(options.out / "trueness.txt", text); !written)
+    return core::forward(written);
   if (options.json) {
     core::Json json;
     json.set("bias_x_px", s[0].bias).set("p95_x_px", s[0].p95).set("locking_x_px", s[0].locking);

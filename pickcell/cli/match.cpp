@@ -39,15 +39,6 @@ core::Result<double> one_number(const std::string& option, const std::string& te
                        "use a number from " + core::Json(lo).dump() + " to " + core::Json(hi).dump());
 }
 
-core::Result<int> thread_count(const std::string& text) {
-  if (text == "all") return 0;
-  const auto n = one_number("--threads", text, 1, 1024);
-  if (!n || *n != static_cast<int>(*n))
-    return core::failure(core::ErrorCode::usage, "--threads", "'" + text + "' is not a number of threads",
-                         "use 1, 2, ... or all");
-  return static_cast<int>(*n);
-}
-
 core::Status read_ranges(const Options& options, matches::SearchOptions& search) {
   if (!options.angle.empty()) {
     auto angle = parse_range("--angle", options.angle);
@@ -69,7 +60,7 @@ core::Result<matches::SearchOptions> search_options(const Options& options) {
   search.max_matches = options.max;
   search.explain = options.explain;
   if (auto fine = read_ranges(options, search); !fine) return core::forward(fine);
-  auto threads = thread_count(options.threads);
+  auto threads = parse_threads(options.threads);
   if (!threads) return core::forward(threads);
   search.threads = *threads;
   auto overlap = one_number("--max-overlap", options.max_overlap, 0, 1);

@@ -24,8 +24,10 @@ void print_overview(std::ostream& out) {
 }
 
 int fail(Io& io, const core::Error& error) {
-  io.err << "pickcell: " << error.line() << "\n";
-  for (const std::string& message : error.trail) io.err << "pickcell:   " << message << "\n";
+  std::string trail;
+  for (const std::string& message : error.trail) trail += (trail.empty() ? " (last messages: " : " | ") + message;
+  std::replace(trail.begin(), trail.end(), '\n', ' ');
+  io.err << "pickcell: " << error.line() << trail << (trail.empty() ? "\n" : ")\n");
   return core::exit_code(error.code);
 }
 

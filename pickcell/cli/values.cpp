@@ -33,6 +33,15 @@ core::Result<std::vector<double>> parse_numbers(const std::string& option, const
   }
 }
 
+core::Result<int> parse_threads(const std::string& text) {
+  if (text == "all") return 0;
+  const auto numbers = parse_numbers("--threads", text);
+  const double n = numbers && numbers->size() == 1 ? numbers->front() : 0;
+  if (n < 1 || n > 1024 || n != std::floor(n))
+    return refuse("--threads", text, "is not a number of threads", "use 1, 2, ... or all");
+  return static_cast<int>(n);
+}
+
 core::Result<matches::Range> parse_range(const std::string& option, const std::string& text) {
   const auto numbers = parse_numbers(option, text);
   if (!numbers) return tl::unexpected(numbers.error());

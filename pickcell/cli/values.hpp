@@ -18,6 +18,9 @@ namespace pickcell::cli {
 /// `lo,hi` with lo <= hi.
 [[nodiscard]] core::Result<matches::Range> parse_range(const std::string& option, const std::string& text);
 
+/// Value of --threads: `all` (0 in the answer: as many as the machine has) or 1 to 1024.
+[[nodiscard]] core::Result<int> parse_threads(const std::string& text);
+
 /// `x,y,w,h`, whole numbers, w and h at least 1.
 [[nodiscard]] core::Result<matches::SearchOptions::Roi> parse_roi(const std::string& option, const std::string& text);
 
