@@ -68,9 +68,14 @@ Or<robot::RobotState> Arm::poll(Need need) {
   auto state = robot_.state();
   if (!state) return failed(state.error(), "reading the robot's state");
   auto pose = robot_.pose();
-  if (!pose) return failed(pose.error(), "reading the robot's position");
+  // Refused: another tool is selected by hand. That hinders only who needs the place of this one, a camera on the arm.
+  if (!pose && pose.error().code != core::ErrorCode::refused)
+    return failed(pose.error(), "reading the robot's position");
+  const auto last_mm = view_.tool_mm;
   view_ = view_of(*state, link_);
-  for (int i = 0; i < 3; ++i) view_.tool_mm[static_cast<std::size_t>(i)] = core::mm_from_m(pose->translation_m()(i));
+  view_.tool_mm = last_mm;
+  for (int i = 0; pose && i < 3; ++i)
+    view_.tool_mm[static_cast<std::size_t>(i)] = core::mm_from_m(pose->translation_m()(i));
   hindrance_ = hindrance_to_start(*state);
   const auto found = need == Need::nothing ? std::nullopt : need == Need::ready ? hindrance_ : hindrance_to_run(*state);
   if (found) return tl::unexpected(with_alarm_text(halt_from(*found)));

@@ -32,7 +32,7 @@ class Arm {
   /// Servo on, job running, fence acknowledged.
   [[nodiscard]] Or<void> start();
 
-  /// Reads state and position; view() is new then. must_run: the job has to run.
+  /// Reads state and position; view() is new then. The need is what the state must be good for.
   enum class Need { nothing, ready, running };
   [[nodiscard]] Or<robot::RobotState> poll(Need need);
   /// Why the arm could not start now, by the last poll.

@@ -47,6 +47,7 @@ CellSettings settings_from(const CellConfig& config, const std::vector<matches::
   out.planner.box = {metres(config.limits.box_min_mm), metres(config.limits.box_max_mm)};
   out.planner.grasp_tolerance_m = core::m_from_mm(config.limits.grasp_mm);
   out.planner.grasp_tolerance_rad = core::rad_from_deg(config.limits.grasp_deg);
+  out.planner.approach_m = core::m_from_mm(config.limits.approach_mm);
   out.planner.gripper_length_m = core::m_from_mm(config.limits.gripper_length_mm);
   out.planner.gripper_width_m = core::m_from_mm(config.limits.gripper_width_mm);
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -169,6 +170,7 @@ void Cell::do_reset() {
   arm_.alarms().clear_all(clock_.unix_us());
   camera_.alarms_cleared();
   watch_camera();
+  reason_code_.clear();
   reason_.clear();
   remedy_.clear();
   desk_.take(Command::start);
@@ -176,6 +178,7 @@ void Cell::do_reset() {
 }
 
 void Cell::enter(const Halt& halt) {
+  reason_code_ = halt.code;
   reason_ = halt.why;
   remedy_ = halt.remedy;
   queue_.clear();
@@ -208,6 +211,7 @@ void Cell::publish() {
   s.mode = mode_;
   s.step = step_;
   s.reason = reason_;
+  s.reason_code = reason_code_;
   s.remedy = remedy_;
   s.robot = arm_.view();
   s.camera = camera_.view();

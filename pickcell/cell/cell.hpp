@@ -63,8 +63,8 @@ struct CellSettings {
   bool start_at_once = false;  ///< as if Start was pressed when the robot is connected: for runs without a person
 };
 
-/// The planner's view of the cell file. heights_m: of the parts, in the order of the file (a tray's origin is on its
-/// floor, the planner places top faces).
+/// The planner's view of the cell file. models: in the order of the file, with the heights that its parts really have
+/// (a tray's origin is on its floor, the planner places top faces).
 [[nodiscard]] CellSettings settings_from(const CellConfig& config, const std::vector<matches::Model>& models);
 
 /// Public members are thread-safe. The destructor stops the cell's thread; a pick in flight then stays open in the
@@ -115,6 +115,7 @@ class Cell final : public CellPort {
   [[nodiscard]] Or<void> judge(const robot::Outcome& outcome);
   [[nodiscard]] Or<void> feed();
   [[nodiscard]] Or<void> move_belt();
+  [[nodiscard]] Or<void> ask_for_pitch();  ///< until the belt stands again; leaves the contact on
   [[nodiscard]] Or<void> wait_until_belt_stands();
   /// Sleeps one poll of the clock and looks at the arm.
   [[nodiscard]] Or<robot::RobotState> rest(Arm::Need need);
@@ -142,9 +143,8 @@ class Cell final : public CellPort {
   CameraCheck camera_check_;  ///< empty once it was passed
 
   Mode mode_ = Mode::idle;
-  std::string step_, reason_, remedy_;
+  std::string step_, reason_code_, reason_, remedy_;
   bool person_must_look_ = false;
-  bool has_run_ = false;
   int refused_in_row_ = 0;
   int empty_in_row_ = 0;
   std::string full_tray_;           ///< a part that could be picked had no place left

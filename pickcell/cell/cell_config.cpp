@@ -55,6 +55,9 @@ RobotConfig read_robot(Config table) {
   out.frame = whole(table, "frame", 0, 0, 65);
   out.tool = whole(table, "tool", 1, 0, 63);
   out.allow_motion = table.boolean_or("allow_motion", false);
+  if (table.has("home_mm")) out.home_mm = triple(table, "home_mm");
+  out.gripper_output = whole(table, "gripper_output", out.gripper_output, 1, 4096);
+  out.grip_sensor_input = whole(table, "grip_sensor_input", out.grip_sensor_input, 1, 4096);
   return out;
 }
 
@@ -91,8 +94,13 @@ LimitsConfig read_limits(Config table) {
   out.place_deg = positive(table, "place_deg", out.place_deg);
   out.grasp_mm = positive(table, "grasp_mm", out.grasp_mm);
   out.grasp_deg = positive(table, "grasp_deg", out.grasp_deg);
-  out.gripper_length_mm = table.number_or("gripper_length_mm", 0);
-  out.gripper_width_mm = table.number_or("gripper_width_mm", 0);
+  for (const auto& [key, value] :
+       {std::pair{"gripper_length_mm", &out.gripper_length_mm}, std::pair{"gripper_width_mm", &out.gripper_width_mm}}) {
+    *value = table.number_or(key, 0);
+    if (*value < 0) table.problem(key, "must not be negative");
+  }
+  if ((out.gripper_length_mm > 0) != (out.gripper_width_mm > 0))
+    table.problem("gripper_length_mm", "and gripper_width_mm belong together: one of them is missing");
   out.speed_pct = positive(table, "speed_pct", out.speed_pct);
   if (out.speed_pct > 100) table.problem("speed_pct", "must be at most 100");
   out.box_min_mm = triple(table, "box_min_mm");
@@ -102,6 +110,7 @@ LimitsConfig read_limits(Config table) {
       table.problem("box_max_mm", "must be above box_min_mm in every direction");
       break;
     }
+  out.approach_mm = positive(table, "approach_mm", out.approach_mm);
   return out;
 }
 
@@ -161,6 +170,8 @@ CellConfig read_cell_config(Config& config, const std::filesystem::path& file) {
   out.camera = read_camera(config.table("camera"));
   out.robot = read_robot(config.table("robot"));
   out.calibration = read_calibration(config.table("calibration"));
+  if (out.robot.frame != 0 && !out.calibration.handeye.empty())
+    config.problem("robot", "frame must be 0 with a hand-eye calibration, whose arm poses are in the base frame");
   out.limits = read_limits(config.table("limits"));
   out.feed = read_feed(config.table("feed"));
   for (const Config& part : config.tables("part")) out.parts.push_back(read_part(part));

@@ -26,9 +26,13 @@ struct CameraConfig {
 struct RobotConfig {
   std::string link;   ///< "tcp80://host[:port]" | "sim" | ...
   std::string model;  ///< "gp7", ...
-  int frame = 0;      ///< coordinate frame of poses on the controller: 0 base
+  int frame = 0;      ///< of the controller, that "base" means here: calibration points, box and places are all in it
   int tool = 1;
   bool allow_motion = false;
+  /// Of the job: where the arm waits clear of the camera, tool straight down. Its first motion after Start goes there.
+  std::array<double, 3> home_mm = {300, 0, 250};
+  int gripper_output = 1;     ///< OT#(n): on closes
+  int grip_sensor_input = 1;  ///< IN#(n): on when something is in the gripper
 };
 
 enum class VerifyAtStart {
@@ -55,6 +59,7 @@ struct LimitsConfig {
          gripper_width_mm = 0;  ///< of the open gripper, along the tool's X and across; 0: not checked
   double speed_pct = 100;       ///< of the job's taught speeds
   std::array<double, 3> box_min_mm{}, box_max_mm{};  ///< where the tool may be sent, base frame
+  double approach_mm = 80;  ///< the arm comes to grasp and place from so far straight above; in the box too
 };
 
 /// Slots of a tray: rows along its y, columns along its x; slot = row * cols + col.

@@ -85,8 +85,9 @@ struct Snapshot {
   std::uint64_t revision = 0;  ///< grows with every change
   std::string cell_name;
   Mode mode = Mode::idle;
-  std::string step;    ///< what it is doing: "looking", "waiting for the arm", ...
-  std::string reason;  ///< why it stopped or faulted, in words
+  std::string step;         ///< what it is doing: "looking", "waiting for the arm", ...
+  std::string reason_code;  ///< why it stopped or faulted: "LINK_LOST", "REFUSED_IN_ROW", ...; empty while it works
+  std::string reason;       ///< the same in words
   std::string remedy;
   std::string start_hindrance;  ///< why Start would be refused because of arm or camera, "" when it would not
   std::string start_remedy;

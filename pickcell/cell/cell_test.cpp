@@ -119,6 +119,7 @@ class TableRobot final : public robot::Robot {
     return std::vector<robot::Alarm>{{4315, 1, "COLLISION DETECT"}};
   }
   [[nodiscard]] core::Result<core::Transform<core::Base, core::Tool>> pose() override {
+    if (other_tool) return core::failure(core::ErrorCode::refused, "robot", "tool 3 is selected");
     return core::Transform<core::Base, core::Tool>();
   }
   [[nodiscard]] core::Status start(core::Seat&) override {
@@ -163,7 +164,7 @@ class TableRobot final : public robot::Robot {
   [[nodiscard]] core::Status write_contact(int contact, bool on) override {
     EXPECT_EQ(contact, 27010);
     const bool was_on = std::exchange(advance_on, on), edge = on && !was_on;
-    if (edge) belt_until_ = clock_.now() + duration_s(1.5);
+    if (edge && !belt_stuck) belt_until_ = clock_.now() + duration_s(1.5);
     if (edge && next_parts) table_.parts = next_parts();
     return {};
   }
@@ -176,6 +177,7 @@ class TableRobot final : public robot::Robot {
 
   RobotState& arm() { return state_; }
   std::map<int, Event> script;
+  bool other_tool = false, belt_stuck = false;
   bool advance_on = false;  ///< the network input that the feeder waits for an edge of
   std::function<std::vector<Table::Lying>()> next_parts;
   std::vector<picks::Pick> submitted;
@@ -382,6 +384,9 @@ TEST_F(CellTest, AForeignCameraIsNotPickedFrom) {
   const Snapshot end = run();
   EXPECT_EQ(end.counters.submitted, 0);
   EXPECT_EQ(end.counters.rejected, (std::map<std::string, std::int64_t>{{"calibration", 1}}));
+  EXPECT_EQ(end.mode, Mode::fault) << "looking on at a belt that runs past would help nobody";
+  EXPECT_EQ(end.reason_code, "CALIBRATION");
+  EXPECT_NE(end.reason.find("another"), std::string::npos) << end.reason;
 }
 
 TEST_F(CellTest, RefusesStartInWords) {
@@ -640,6 +645,21 @@ TEST_F(CellTest, AFeedBrokenOffEarlierDoesNotStickForGood) {
   EXPECT_EQ(run().mode, Mode::idle);
   EXPECT_EQ(pitches, 1);
   EXPECT_FALSE(robot_.advance_on);
+}
+
+TEST_F(CellTest, ABeltThatDoesNotMoveIsNoLongerAskedTo) {
+  settings_.feed.kind = FeedKind::indexed;
+  robot_.belt_stuck = true;
+  open();
+  EXPECT_EQ(run().reason_code, "FEED");
+  EXPECT_FALSE(robot_.advance_on) << "a drive that looks at the level would run off later";
+}
+
+TEST_F(CellTest, AnotherToolSelectedByHandHindersACameraBesideTheArmNot) {
+  table_.parts = {{200, 150, .95, {}, .05}};
+  robot_.other_tool = true;
+  open();
+  EXPECT_EQ(run().counters.placed, 1);
 }
 
 TEST_F(CellTest, StopRightBehindStartIsNotLost) {

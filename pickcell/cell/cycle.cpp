@@ -38,6 +38,7 @@ Halt Cell::work() {
 }
 
 Or<void> Cell::begin_work() {
+  reason_code_.clear();
   reason_.clear();
   remedy_.clear();
   refused_in_row_ = empty_in_row_ = 0;
@@ -165,7 +166,10 @@ Or<frames::Frame> Cell::take_picture() {
       return stand("NO_PICTURES", "the source of pictures has come to its end: " + frame.error().why);
     watch_camera();
     const bool was_lost = !camera_.view().connected || camera_.view().reconnects != reconnects;
-    if (!was_lost || seat_->now() > deadline) return tl::unexpected(halt_from(frame.error(), "taking a picture"));
+    if (was_lost && seat_->now() <= deadline) continue;
+    core::Error error = frame.error();
+    if (error.code == core::ErrorCode::timeout) error.code = core::ErrorCode::device;  // the camera's, not the link's
+    return tl::unexpected(halt_from(error, "taking a picture"));
   }
 }
 
@@ -192,6 +196,9 @@ Or<void> Cell::look() {
   parts_ = std::move(sight->parts);
   if (queue_.empty()) parts_.clear();
   publish();
+  if (sight->unfit)
+    return fault("CALIBRATION", sight->unfit->what + ": " + sight->unfit->why,
+                 (sight->unfit->remedy.empty() ? "calibrate again" : sight->unfit->remedy) + ", then press Reset");
   return {};
 }
 
@@ -332,6 +339,16 @@ Or<void> Cell::wait_until_belt_stands() {
 
 Or<void> Cell::move_belt() {
   show_step("moving the belt");
+  auto moved = ask_for_pitch();
+  // Whatever the end: a belt that looks at the level, not at the edge, must not run on. What went wrong first is said.
+  auto released = arm_.robot().write_contact(settings_.feed.advance_contact, false);
+  if (!moved) return moved;
+  if (!released) return arm_.failed(released.error(), "moving the belt");
+  ledger_.standing().forget();
+  return {};
+}
+
+Or<void> Cell::ask_for_pitch() {
   robot::Robot& robot = arm_.robot();
   // A fault during an earlier feed may have left it on, and the feeder waits for the edge.
   const auto left_on = robot.read_contact(settings_.feed.advance_contact);
@@ -349,17 +366,13 @@ Or<void> Cell::move_belt() {
     if (auto state = rest(Arm::Need::running); !state) return tl::unexpected(state.error());
     const auto moving = robot.read_contact(settings_.feed.moving_contact);
     if (!moving) return arm_.failed(moving.error(), "watching the belt");
-    if (moved && !*moving) break;
+    if (moved && !*moving) return {};
     moved = moved || *moving;
     const core::Duration waited = seat_->now() - start;
     if ((!moved && waited > kBeltReacts) || waited > duration_s(settings_.feed.timeout_s))
       return fault("FEED", moved ? "the belt does not stop" : "the belt does not move",
                    "look at the belt's drive and its signals, then press Reset");
   }
-  if (auto released = robot.write_contact(settings_.feed.advance_contact, false); !released)
-    return arm_.failed(released.error(), "moving the belt");
-  ledger_.standing().forget();
-  return {};
 }
 
 }  // namespace pickcell::cell

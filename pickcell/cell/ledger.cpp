@@ -14,6 +14,13 @@ namespace {
 constexpr core::Duration kRateWindow = std::chrono::minutes(5);
 constexpr std::size_t kNewestMatchTimes = 200;
 
+/// A cell runs for months: the report of a run needs the figures of its picks, not of all time.
+void keep(std::vector<double>& figures, double next) {
+  constexpr std::size_t kMost = 200'000;
+  if (figures.size() == kMost) figures.erase(figures.begin(), figures.begin() + kMost / 2);
+  figures.push_back(next);
+}
+
 Detection shown_detection(const Sight::Seen& seen, const matches::Model& model) {
   Detection d;
   d.id = seen.detection_id;
@@ -73,7 +80,7 @@ core::Status Ledger::saw(frames::Frame frame, const Sight& sight, const picks::P
   ++counters_.frames;
   counters_.found += static_cast<std::int64_t>(sight.seen.size());
   next_detection_id_ += sight.seen.size();
-  match_ms_.push_back(sight.match_ms);
+  keep(match_ms_, sight.match_ms);
   auto logged = log_.add_frame(*shown, found, sight.parts);
   desk_.publish(std::shared_ptr<const ShownFrame>(std::move(shown)));
   return logged;
@@ -123,7 +130,7 @@ core::Status Ledger::end(const robot::Outcome& outcome) {
       break;
   }
   if (outcome.kind != OutcomeKind::not_started) {
-    cycle_s_.push_back(core::seconds(clock_.now() - last_end_));
+    keep(cycle_s_, core::seconds(clock_.now() - last_end_));
     last_end_ = clock_.now();
   }
   const PickRecord record{pick.pick.detection_id, outcome.sequence, pick.pick.place_slot, word,

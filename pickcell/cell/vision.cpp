@@ -73,6 +73,7 @@ core::Result<Sight> Vision::look(const frames::Frame& frame, std::uint64_t first
   sight.match_ms = ms_since(start);
 
   const auto view = view_of(frame);
+  if (!view) sight.unfit = view.error();
   for (matches::Match& match : found->matches) {
     sight.seen.push_back({first_id++, std::move(match), {}});
     judge_one(sight, sight.seen.back(), frame, view);

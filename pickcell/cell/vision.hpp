@@ -31,6 +31,7 @@ struct Sight {
   std::vector<Seen> seen;              ///< best score first
   std::vector<poses::PartPose> parts;  ///< those that may be picked
   double match_ms = 0;                 ///< wall time
+  std::optional<core::Error> unfit;    ///< the calibration does not fit this picture (size, camera, age, verdict)
 };
 
 /// One thread at a time.
@@ -51,8 +52,8 @@ class Vision {
   Vision(std::unique_ptr<matches::Engine> engine, std::vector<matches::Model> models, Settings settings);
 
   /// Searches for every model at once, gates and locates. first_id: of the first detection, the others count on. A
-  /// picture that the calibration does not fit (size, camera, age, verdict) is searched all the same, but everything in
-  /// it is rejected for that reason. Errors: those of the engine.
+  /// picture that the calibration does not fit is searched all the same, but everything in it is rejected, and unfit is
+  /// set. Errors: those of the engine.
   [[nodiscard]] core::Result<Sight> look(const frames::Frame& frame, std::uint64_t first_id);
 
   [[nodiscard]] const std::vector<matches::Model>& models() const { return models_; }

@@ -55,6 +55,13 @@ class StopSignals {
   sigset_t signals_{}, before_{};
 };
 
+/// 1: everything works, and the picks failed all the same; 3: a device or link failed.
+int exit_code_of(const std::string& fault) {
+  for (const char* failed_picks : {"REFUSED_IN_ROW", "OUTCOME_UNKNOWN", "CALIBRATION"})
+    if (fault == failed_picks) return 1;
+  return 3;
+}
+
 core::Result<int> run_for_picks(const CellRun& run, Io& io) {
   auto setup = set_up_cell(run.file, {run.picks});
   if (!setup) return core::forward(setup);
@@ -80,7 +87,7 @@ core::Result<int> run_for_picks(const CellRun& run, Io& io) {
     report.places = judge_places(setup->plant->world, end, setup->cell->settings().planner);
   io.out << (run.json ? report.json().dump() + "\n" : report.words());
   io.out.flush();
-  if (last.mode == cell::Mode::fault) return 3;  // the cell's log has said why
+  if (last.mode == cell::Mode::fault) return exit_code_of(last.reason_code);  // the cell's log has said why
   return report.good() ? 0 : 1;
 }
 
@@ -107,6 +114,16 @@ core::Result<int> run_with_page([[maybe_unused]] const CellRun& run, [[maybe_unu
 }
 
 }  // namespace
+
+core::Status check_page_or_picks(std::int64_t picks, bool json, const std::string& listen,
+                                 const std::string& web_root) {
+  if (json && picks == 0)
+    return failure(ErrorCode::usage, "--json", "there is a report with --picks only", "give --picks N too");
+  if (picks > 0 && !(listen.empty() && web_root.empty()))
+    return failure(ErrorCode::usage, listen.empty() ? "--web-root" : "--listen", "with --picks there is no page",
+                   "leave one of the two out");
+  return {};
+}
 
 core::Result<int> run_cell(const CellRun& run, Io& io) {
   const LogOnErr log(io.err);

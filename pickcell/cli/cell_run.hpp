@@ -19,8 +19,12 @@ struct CellRun {
   std::optional<std::filesystem::path> web_root{};  ///< the page's files, instead of the embedded ones
 };
 
-/// Exit code 0 when all picks were placed right (or the page was closed by Ctrl-C), 1 when not, 3 when the cell is in
-/// fault.
+/// Whether options of the command line go together: a report is of --picks, a page is of a run without. Errors: usage.
+[[nodiscard]] core::Status check_page_or_picks(std::int64_t picks, bool json, const std::string& listen,
+                                               const std::string& web_root);
+
+/// Exit code 0 when all picks were placed right (or the page was closed by Ctrl-C), 1 when not (or when a fault
+/// was the picks' own), 3 when a device or link failed.
 [[nodiscard]] core::Result<int> run_cell(const CellRun& run, Io& io);
 
 }  // namespace pickcell::cli

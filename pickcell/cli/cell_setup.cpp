@@ -145,6 +145,7 @@ core::Status make_robot(CellSetup& setup, const CellFile& file, const CellRunOpt
   settings.tool = file.cell.robot.tool;
   settings.limits.box_min_mm = file.cell.limits.box_min_mm;
   settings.limits.box_max_mm = file.cell.limits.box_max_mm;
+  settings.limits.approach_mm = file.cell.limits.approach_mm;
   auto opened = cell::SqliteJournal::open(file.cell.state_dir / "journal.db");
   if (!opened) return core::forward(opened);
   setup.journal = std::move(*opened);

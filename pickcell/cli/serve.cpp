@@ -18,6 +18,8 @@ struct Options {
 };
 
 core::Result<int> run(const Options& options, Io& io) {
+  if (auto fits = check_page_or_picks(options.picks, options.json, options.listen, options.web_root); !fits)
+    return core::forward(fits);
   auto file = load_cell_file(options.file);
   if (!file) return core::forward(file);
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};

@@ -34,12 +34,7 @@ core::Status check(const Options& options) {
   if (options.camera == "gige")  // before the demonstration is calibrated, which takes a while
     if (auto can = frames::check_source("aravis:"); !can)
       return failure(ErrorCode::usage, "--camera gige", can.error().why, can.error().remedy);
-  if (options.json && options.picks == 0)
-    return failure(ErrorCode::usage, "--json", "there is a report with --picks only", "give --picks N too");
-  if (options.picks > 0 && !(options.listen.empty() && options.web_root.empty()))
-    return failure(ErrorCode::usage, options.listen.empty() ? "--web-root" : "--listen",
-                   "with --picks there is no page", "leave one of the two out");
-  return {};
+  return check_page_or_picks(options.picks, options.json, options.listen, options.web_root);
 }
 
 core::Result<std::filesystem::path> demo_file(const Options& options) {

@@ -118,6 +118,11 @@ core::Result<std::vector<Alarm>> JobRobot::alarms() { return link_->read_alarms(
 core::Result<core::Transform<core::Base, core::Tool>> JobRobot::pose() {
   auto position = link_->read_position(kBaseFrame);
   if (!position) return core::forward(position);
+  if (position->tool != settings_.tool)
+    return core::failure(ErrorCode::refused, "robot",
+                         "tool " + std::to_string(position->tool) + " is selected, and the cell works with tool " +
+                             std::to_string(settings_.tool),
+                         "select it at the controller, or correct tool in [robot]");
   return transform_from(*position);
 }
 

@@ -54,6 +54,7 @@ class Robot {
   [[nodiscard]] virtual bool connected() const = 0;
   [[nodiscard]] virtual core::Result<RobotState> state() = 0;
   [[nodiscard]] virtual core::Result<std::vector<Alarm>> alarms() = 0;
+  /// Of the tool that picks are made with; refused while another one is selected at the controller.
   [[nodiscard]] virtual core::Result<core::Transform<core::Base, core::Tool>> pose() = 0;
   /// Servo on, job started, fence acknowledged, open picks settled. Refused in words when the controller is not in
   /// remote play, in alarm or held, or when a person must look first.
