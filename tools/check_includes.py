@@ -32,7 +32,7 @@ LAYERS = {
 
 # third-party header pattern -> modules that may use it in .cpp files
 THIRD_PARTY = {
-    r"nlohmann/": ("core",), r"toml\+\+": ("core",), r"spdlog/": ("core", "cli"),
+    r"nlohmann/": ("core",), r"toml\+\+": ("core",),
     r"hwy/": ("image", "matches"), r"png\.h|jpeglib\.h": ("image",),
     r"opencv2/": ("poses", "sim", "cli"), r"ceres/": ("poses",),
     r"sqlite3\.h": ("cell",), r"boost/asio": ("robot", "sim", "server"), r"boost/beast": ("server",),
