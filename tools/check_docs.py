@@ -2,7 +2,8 @@
 """Keeps the words whole: what sources and pages name in docs/ exists, links lead somewhere, every page can be reached.
 
 Checked are: each `docs/PAGE` named anywhere in the repository, with the section numbers behind it; each relative link of
-each *.md, with its #anchor; and that README.md leads to every page of docs/ and something names every other file there.
+each *.md, with its #anchor, and each path such as `tests/cell` in it; and that README.md leads to every page of docs/ and
+something names every other file there.
 Run from anywhere; exits 1 and names every breach.
 """
 import pathlib
@@ -15,6 +16,7 @@ SKIPPED = re.compile(r"^(tools/check_docs\.py$|hmi/(dist|test/fixtures)/|hmi/pac
 TEXT = {".hpp", ".cpp", ".md", ".py", ".sh", ".cmake", ".txt", ".ts", ".tsx", ".mjs", ".css", ".json", ".toml", ".JBI", ""}
 
 NAMED = re.compile(r"(?<![\w.-]/)(?<![\w-])docs/([\w./-]*\w)")
+PATH = re.compile(r"(?<![\w./-])((?:bench|cmake|hmi|pickcell|tests|tools)/[\w./*-]*\w)")
 NUMBER = r"\d+(?:\.\d+)?"
 SECTIONS = re.compile(rf"^,? ?\(?(?:sections? )?({NUMBER}(?:(?:, | and |-){NUMBER})*)(?![\w.]*\w)")
 COMMENT = re.compile(r"\n[ \t]*(?://[/!]?<?|#|\*)?[ \t]*")
@@ -96,6 +98,10 @@ def check_links(path, text, texts, named, links):
     return found
 
 
+def check_paths(path, text):
+    return [f"{path}: names {name}, which does not exist" for name in PATH.findall(text) if not any(ROOT.glob(name))]
+
+
 def check_reached(all_files, named, links):
     reached, open_pages = {"README.md"}, ["README.md"]
     while open_pages:
@@ -124,7 +130,7 @@ def main():
             continue
         found += check_names(path, text, texts, named)
         if path.suffix == ".md":
-            found += check_links(path, text, texts, named, links)
+            found += check_links(path, text, texts, named, links) + check_paths(path, text)
     found += check_reached(all_files, named, links)
     pages = sum(1 for p in all_files if p.suffix == ".md")
     print("\n".join(found) if found else f"docs: {pages} pages, no breach")
