@@ -2,8 +2,9 @@
 """Keeps the words whole: what sources and pages name in docs/ exists, links lead somewhere, every page can be reached.
 
 Checked are: each `docs/PAGE` named anywhere in the repository, with the section numbers behind it; each relative link of
-each *.md, with its #anchor, and each path such as `tests/cell` in it; and that README.md leads to every page of docs/ and
-something names every other file there.
+each *.md, with its #anchor, and each path such as `tests/cell` in it; that README.md leads to every page of docs/ and something
+names every other file there; that docs/architecture.md names every folder of pickcell/ and tests/, HACKING.md every label of a
+test, and neither one that is not there.
 Run from anywhere; exits 1 and names every breach.
 """
 import pathlib
@@ -120,6 +121,26 @@ def check_reached(all_files, named, links):
     return found
 
 
+def rows(text):
+    """What stands in the first column of a page's tables, in backquotes."""
+    return set(re.findall(r"^\| `([\w/]+)` \|", text, re.M))
+
+
+def check_house(texts):
+    """Folders and labels come and go with code; their tables must follow."""
+    house = rows(texts["docs/architecture.md"])
+    folders = {p.name for p in (ROOT / "tests").iterdir() if (p / "CMakeLists.txt").exists()}
+    folders |= {f"pickcell/{p.name}" for p in (ROOT / "pickcell").iterdir() if p.is_dir()}
+    cmake = "".join(t for p, t in texts.items() if p.endswith(("CMakeLists.txt", ".cmake")))
+    labels, told = set(re.findall(r"\bLABELS? ([a-z]+)\b", cmake)), rows(texts["HACKING.md"])
+    return (
+        [f"docs/architecture.md: does not name the folder {f}" for f in sorted(folders - house)]
+        + [f"docs/architecture.md: names the folder {f}, which does not exist" for f in sorted(house - folders)]
+        + [f"HACKING.md: does not name the label {x}" for x in sorted(labels - told)]
+        + [f"HACKING.md: names the label {x}, which no test carries" for x in sorted(told - labels)]
+    )
+
+
 def main():
     all_files = files()
     texts = {str(p): (ROOT / p).read_text(errors="replace") for p in all_files if p.suffix in TEXT}
@@ -131,7 +152,7 @@ def main():
         found += check_names(path, text, texts, named)
         if path.suffix == ".md":
             found += check_links(path, text, texts, named, links) + check_paths(path, text)
-    found += check_reached(all_files, named, links)
+    found += check_reached(all_files, named, links) + check_house(texts)
     pages = sum(1 for p in all_files if p.suffix == ".md")
     print("\n".join(found) if found else f"docs: {pages} pages, no breach")
     return 1 if found else 0
