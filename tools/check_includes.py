@@ -25,18 +25,18 @@ LAYERS = {
     "picks": (("core",), (PART_POSE,)),
     "robot": (("core",), (PICK,)),
     "cell": (("core", "image", "frames", "matches", "poses", "picks", "robot"), ()),
-    "sim": (("core", "image", "frames"), ("pickcell/robot/*_codec.hpp", "pickcell/robot/hses_frame.hpp")),
+    "sim": (("core", "image", "frames"), ("pickcell/robot/*_codec.hpp",)),
     "server": (("core", "image", "cell"), (FRAME, MATCH, PART_POSE, PICK)),
     "cli": (("core", "image", "frames", "matches", "poses", "picks", "robot", "cell", "sim", "server"), ()),
 }
 
 # third-party header pattern -> modules that may use it in .cpp files
 THIRD_PARTY = {
-    r"nlohmann/": ("core",), r"toml\+\+": ("core",), r"spdlog/": ("core", "cli"),
+    r"nlohmann/": ("core",), r"toml\+\+": ("core",),
     r"hwy/": ("image", "matches"), r"png\.h|jpeglib\.h": ("image",),
     r"opencv2/": ("poses", "sim", "cli"), r"ceres/": ("poses",),
     r"sqlite3\.h": ("cell",), r"boost/asio": ("robot", "sim", "server"), r"boost/beast": ("server",),
-    r"openssl/": ("server",), r"zlib\.h": ("server",), r"CLI/": ("cli",), r"arv\.h|arv": ("frames", "sim"), r"linux/videodev2\.h": ("frames",),
+    r"zlib\.h": ("server",), r"CLI/": ("cli",), r"arv\.h|arv": ("frames", "sim"), r"linux/videodev2\.h": ("frames",),
 }
 IN_HEADERS = re.compile(r"^(Eigen/|tl/expected\.hpp)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)

@@ -1,6 +1,6 @@
 #pragma once
 /// A run is a folder: run.toml (what ran), picks.db (what was seen and done), frames/ (pictures, where wanted). For
-/// people, replay and reports; never read to recover: that is the journal's job.
+/// people and reports; never read to recover: that is the journal's job.
 
 #include <cstdint>
 #include <filesystem>
