@@ -9,7 +9,7 @@ packages_aravis=(libaravis-dev)  # GigE Vision and USB3 Vision; some 80 MB, so o
 packages_calibration=(libopencv-contrib-dev libceres-dev)
 # aravis-tools: the fake camera that ours is judged against
 packages_check=("${packages_calibration[@]}" "${packages_aravis[@]}" aravis-tools git python3 ccache libgtest-dev libgmock-dev
-  librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev clang-format-19)
+  librapidcheck-dev libopencv-core-dev libopencv-imgproc-dev liborocos-kdl-dev clang-format-19)
 packages_fuzz=(clang-19 libclang-rt-19-dev)  # the second is only recommended by the first, and holds libFuzzer
 # The board's build and its emulator; about 300 MB with what they pull in.
 packages_arm64=(g++-aarch64-linux-gnu qemu-user libhwy-dev:arm64 libpng-dev:arm64 libjpeg-dev:arm64 zlib1g-dev:arm64

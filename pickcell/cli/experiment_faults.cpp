@@ -13,6 +13,10 @@ namespace pickcell::cli {
 
 namespace {
 
+std::string fault_words(int i) {
+  return i == kSoakFaults ? "none (that of the pick before struck late)" : name(static_cast<SoakFault>(i));
+}
+
 std::string table(const FaultSoakReport& r) {
   std::ostringstream out;
   const auto line = [&](const std::string& what, int count) {
@@ -28,6 +32,12 @@ std::string table(const FaultSoakReport& r) {
   line("  refused by the job (nothing gripped, lost on the way)", r.refused);
   line("  unknown: a person was asked to look", r.unknown);
   line("  withdrawn before the arm took them", r.withdrawn);
+  out << "unknown, by the fault of the pick:\n";
+  for (int i = 0; i <= kSoakFaults; ++i) line("  " + fault_words(i), r.unknown_after[static_cast<std::size_t>(i)]);
+  out << "unknown, by what truly happened:\n";
+  line("  not gripped yet", r.unknown_untouched);
+  line("  gripped and not placed", r.unknown_in_between);
+  line("  placed", r.unknown_placed);
   line("pictures searched", r.looks);
   line("picks outside the box, refused before a byte was sent", r.outside_refused);
   line("starts of the PC", r.pc_starts);
@@ -55,6 +65,14 @@ std::string json(const FaultSoakReport& r, std::uint64_t seed) {
       .set("done", r.done)
       .set("refused", r.refused)
       .set("unknown", r.unknown);
+  core::Json unknown_after = core::Json::object();
+  for (int i = 0; i <= kSoakFaults; ++i)
+    unknown_after.set(i == kSoakFaults ? "none" : name(static_cast<SoakFault>(i)),
+                      r.unknown_after[static_cast<std::size_t>(i)]);
+  line.set("unknown_after", std::move(unknown_after))
+      .set("unknown_untouched", r.unknown_untouched)
+      .set("unknown_in_between", r.unknown_in_between)
+      .set("unknown_placed", r.unknown_placed);
   line.set("withdrawn", r.withdrawn)
       .set("looks", r.looks)
       .set("outside_refused", r.outside_refused)

@@ -21,14 +21,22 @@ void audit_row(const robot::JournalRow& row, const GripWatch::Closings& grips, F
   if (grips.all > grips.took) report.finding(report.forbidden_motions, who + " gripped where no part lay");
 }
 
+void explain_unknown(const robot::JournalRow& row, const GripWatch::Closings& grips, const FaultOfPick& faults,
+                     FaultSoakReport& report) {
+  const auto fault = faults.find(row.sequence);
+  ++report.unknown_after[fault == faults.end() ? kSoakFaults : static_cast<std::size_t>(fault->second)];
+  ++(grips.took == 0 ? report.unknown_untouched : grips.placed > 0 ? report.unknown_placed : report.unknown_in_between);
+}
+
 }  // namespace
 
 void audit_rows(const std::vector<robot::JournalRow>& rows, std::map<std::int32_t, GripWatch::Closings> closings,
-                FaultSoakReport& report) {
+                const FaultOfPick& faults, FaultSoakReport& report) {
   std::map<CommandState, int> count;
   for (const robot::JournalRow& row : rows) {
     ++count[row.state];
     audit_row(row, closings[row.sequence], report);
+    if (row.state == CommandState::unknown) explain_unknown(row, closings[row.sequence], faults, report);
     closings.erase(row.sequence);
   }
   for (const auto& [sequence, grips] : closings)

@@ -11,9 +11,12 @@
 
 namespace pickcell::cli {
 
+/// Which fault was ordered for which pick.
+using FaultOfPick = std::map<std::int32_t, SoakFault>;
+
 /// Counts the rows by their end, and notes what contradicts the gripper.
 void audit_rows(const std::vector<robot::JournalRow>& rows, std::map<std::int32_t, GripWatch::Closings> closings,
-                FaultSoakReport& report);
+                const FaultOfPick& faults, FaultSoakReport& report);
 /// Parts are things: none is placed twice, and each that was gripped is somewhere. After audit_rows.
 void audit_parts(sim::World& world, core::TimePoint now, FaultSoakReport& report);
 

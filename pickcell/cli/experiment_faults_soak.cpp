@@ -180,6 +180,8 @@ class Soak {
     controller().follow({});
     watch_->blind(dice_.chance(options_.blind_rate));
     if (dice_.chance(options_.fault_rate)) choose_fault();
+    const auto newest = setup_.journal->newest_rows(1);
+    if (fault_ && newest && !newest->empty()) fault_of_pick_[newest->front().sequence] = *fault_;
   }
 
   void choose_fault() {
@@ -353,7 +355,7 @@ class Soak {
     setup_.cell->close();
     auto rows = setup_.journal->newest_rows(10 * options_.picks + 1000);
     if (!rows) return core::forward(rows);
-    audit_rows(*rows, watch_->closings(), report_);
+    audit_rows(*rows, watch_->closings(), fault_of_pick_, report_);
     audit_parts(setup_.plant->world, setup_.clock->now(), report_);
     return {};
   }
@@ -377,8 +379,9 @@ class Soak {
   CellSetup setup_;
   std::unique_ptr<core::Seat> person_;
   bool hses_ = false, killed_ = false;
-  std::optional<SoakFault> fault_;          ///< of this pick
-  std::optional<SoakFault> before_;         ///< of the pick before: it may strike late
+  std::optional<SoakFault> fault_;   ///< of this pick
+  std::optional<SoakFault> before_;  ///< of the pick before: it may strike late
+  FaultOfPick fault_of_pick_;
   std::optional<core::TimePoint> strikes_;  ///< when the controller's power or the PC goes
   std::int64_t submitted_seen_ = 0;
   int ended_before_ = 0, looks_before_ = 0;  ///< by earlier processes

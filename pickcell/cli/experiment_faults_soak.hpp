@@ -37,6 +37,10 @@ struct FaultSoakReport {
   int looks = 0;      ///< pictures that were searched
   int over_hses = 0;  ///< of them; the others over TCP 80
   int done = 0, refused = 0, unknown = 0, withdrawn = 0;
+  /// The unknown ones by the fault of their pick, last: without one (a fault of the pick before struck late).
+  std::array<int, kSoakFaults + 1> unknown_after{};
+  /// Of them by what truly happened: nothing gripped yet, gripped and not put down where it belongs, placed.
+  int unknown_untouched = 0, unknown_in_between = 0, unknown_placed = 0;
   std::array<int, kSoakFaults> injected{};
   int outside_refused = 0;  ///< picks outside the box, one at every start of the PC: refused, nothing sent
   int stops = 0, stops_explained = 0;

@@ -15,6 +15,7 @@ class GripWatch final : public sim::Plant {
  public:
   struct Closings {
     int all = 0, took = 0;
+    int placed = 0;  ///< opened where the part then lay in a tray
   };
 
   explicit GripWatch(sim::World& world) : world_(world) {}
@@ -33,11 +34,15 @@ class GripWatch final : public sim::Plant {
 
   void output_changed(int n, bool on, const core::Transform<core::Base, core::Tool>& T_base_tool,
                       core::TimePoint t) override {
+    const std::size_t placed_before = world_.placed().size();
     world_.output_changed(n, on, T_base_tool, t);
-    if (n != sim::kGripperOutput || !on) return;
+    if (n != sim::kGripperOutput) return;
     std::int32_t accepted = 0;
     controller_->with_state([&](sim::ControllerState& s) { accepted = s.D[12]; });
+    const bool placed = world_.placed().size() > placed_before;
     const std::lock_guard lock(mutex_);
+    if (placed) ++closings_[accepted].placed;
+    if (!on) return;
     Closings& c = closings_[accepted];
     ++c.all;
     c.took += world_.held().has_value();

@@ -137,9 +137,12 @@ core::Result<Answer> hold(robot::ControllerLink& link, const Options&) {
   if (auto held = link.hold(true); !held) return core::forward(held);
   auto state = link.read_status();
   if (!state) return core::forward(state);
-  return Answer{Json::object().set("stopped", true).set("held", state->held()),
-                state->held() ? "held; reset releases it\n" : "stopped; there is no hold that stays over this link\n",
-                {}};
+  return Answer{
+      Json::object().set("stopped", true).set("held", state->held()),
+      state->held()
+          ? "held; reset releases it\n"
+          : "stopped, but the controller does not tell that it holds (over MotoROS no hold stays): look at the arm\n",
+      {}};
 }
 
 core::Result<Answer> reset(robot::ControllerLink& link, const Options&) {

@@ -15,6 +15,7 @@
 #include "pickcell/sim/gige_camera.hpp"
 #endif
 #include "pickcell/sim/controller.hpp"
+#include "pickcell/sim/controller_commands.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
 #include "pickcell/sim/world.hpp"
 
@@ -197,6 +198,8 @@ core::Result<int> run(const Options& options, Io& io) {
   sim::World world(sim::default_world(setup->seed));
   auto controller = sim::Controller::switch_on(setup->controller, clock, &world);
   if (!controller) return core::forward(controller);
+  // A controller shows a job from the day it was set up: hosts that ask for it first must get an answer.
+  (*controller)->with_state([](sim::ControllerState& s) { (void)sim::select_job(s, "TEST1", 0); });
   (*controller)->follow(std::move(setup->scenario));
 #ifdef PICKCELL_WITH_ARAVIS
   sim::SimulatedCamera camera(sim::default_camera(world.settings().T_base_plane, setup->seed), world, clock);

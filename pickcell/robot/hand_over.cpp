@@ -90,8 +90,10 @@ void HandOver::confirm() {
   if (next()) throw std::logic_error("hand-over: a procedure is under way");
   problem_.clear();
   const bool goes_on = phase_ == HandOverPhase::journal_missing || phase_ == HandOverPhase::held;
-  if (goes_on || (phase_ == HandOverPhase::fencing && interrupted())) looked_at_ = known(Register::accepted);
-  if (phase_ == HandOverPhase::held) {
+  const bool stands = phase_ == HandOverPhase::fencing && interrupted();
+  if (goes_on || stands) looked_at_ = known(Register::accepted);
+  if (phase_ == HandOverPhase::held || stands) {
+    // For good, also where the job is taken up again at its line: the part may have been taken out of the gripper.
     for (const std::int32_t n : std::vector(open_)) {
       if (n <= known(Register::accepted) && n > known(Register::done)) settle(n, OutcomeKind::unknown);
     }

@@ -78,7 +78,8 @@ class HandOver {
   /// settles what is open. Other phases: nothing.
   void fence();
   /// A person has looked. journal_missing: goes on with the controller's numbers. held: an open pick becomes unknown,
-  /// and the job goes on. fencing with an interrupted pick: the same, as soon as the job says that it is held.
+  /// and the job goes on. fencing with an interrupted pick: it becomes unknown, whatever a job that is taken up again
+  /// says of it later; the job goes on as soon as it says that it is held.
   void confirm();
   /// A step failed: the link, the controller or the journal.
   void lost();

@@ -331,14 +331,34 @@ TEST(HandOver, APersonMayLookBeforeTheJobIsStartedAgain) {
   machine.connect(
       {.last_epoch = 1, .last_sequence = 10001, .open = {10001}});  // the controller is back, the job stands
   bench.run(machine);
+  bench.done.clear();
   machine.confirm();
   bench.run(machine);
-  EXPECT_TRUE(machine.take_settled().empty()) << "the job might still go on by itself";
+  EXPECT_THAT(bench.done, ElementsAre("end 10001 unknown")) << "the part may have been taken out of the gripper";
   bench.stand_held(kOutcomeUnknown);
   bench.done.clear();
   machine.look();
   bench.run(machine);
-  EXPECT_THAT(bench.done, ElementsAre("end 10001 unknown", "epoch 3 after 10001", "epoch=3"));
+  EXPECT_THAT(bench.done, ElementsAre("epoch 3 after 10001", "epoch=3")) << "answered once, asked once";
+}
+
+TEST(HandOver, AJobThatGoesOnAfterAPersonHasAnsweredTellsNothingNew) {
+  Bench bench;
+  HandOver machine = ready(bench);
+  machine.submit(0);
+  bench.run(machine);
+  bench.accept();
+  machine.connect({.last_epoch = 1, .last_sequence = 10001, .open = {10001}});
+  bench.run(machine);
+  machine.confirm();
+  bench.run(machine);
+  EXPECT_EQ(machine.take_settled().size(), 1u);
+  bench.finish(3);
+  bench.acknowledge();
+  machine.look();
+  bench.run(machine);
+  EXPECT_EQ(machine.phase(), HandOverPhase::ready);
+  EXPECT_TRUE(machine.take_settled().empty());
 }
 
 TEST(HandOver, ALateOldEpochIsRaisedAgain) {

@@ -30,7 +30,7 @@ Tcp80Client::Tcp80Client(Tcp80Settings settings) : settings_(std::move(settings)
 std::string Tcp80Client::peer() const { return settings_.host + ':' + std::to_string(settings_.port); }
 
 void Tcp80Client::remember(char direction, std::string_view text) {
-  trail_.add(std::string(1, direction) + ' ' + std::string(text.substr(0, 120)));
+  trail_.add(std::string(1, direction) + ' ' + tcp80_shown(text));
 }
 
 core::Status Tcp80Client::send(const std::string& bytes, WallDeadline deadline) {
@@ -47,7 +47,7 @@ core::Result<std::string> Tcp80Client::line(WallDeadline deadline) {
     std::array<char, 512> buffer;
     auto n = link_->read(buffer, deadline);
     if (!n && !splitter_.partial().empty()) {
-      n.error().why += " after half a line: \"" + std::string(splitter_.partial().substr(0, 40)) + '"';
+      n.error().why += " after half a line: \"" + tcp80_shown(splitter_.partial()) + '"';
     }
     if (!n) return core::forward(n);
     if (auto fed = splitter_.feed({buffer.data(), *n}); !fed) return core::forward(fed);
@@ -65,11 +65,12 @@ core::Status Tcp80Client::open_session() {
   auto greeting = line(deadline);
   if (!greeting) return core::forward(greeting);
   if (tcp80_line_kind(*greeting) != Tcp80LineKind::ok) {
-    return core::failure(ErrorCode::link, peer(), "greeting refused: \"" + *greeting + '"',
+    return core::failure(ErrorCode::link, peer(), "greeting refused: \"" + tcp80_shown(*greeting) + '"',
                          "check that the address is a Yaskawa Ethernet Server and that nobody else is connected");
   }
-  if (*greeting != banner_) core::log(core::LogLevel::info, "robot", peer() + " says \"" + *greeting + '"');
-  banner_ = *greeting;
+  const std::string banner = tcp80_shown(*greeting);
+  if (banner != banner_) core::log(core::LogLevel::info, "robot", peer() + " says \"" + banner + '"');
+  banner_ = banner;
   keep_alive_ = tcp80_keeps_alive(banner_);
   return {};
 }
@@ -101,7 +102,7 @@ core::Error Tcp80Client::refusal(const std::string& command, const std::string& 
     error.why = "refused with " + number + ": " + std::string(fault.meaning);
     error.remedy = fault.remedy;
   } else {
-    error.why = "refused: \"" + answer + '"';
+    error.why = "refused: \"" + tcp80_shown(answer) + '"';
     error.remedy = "see the message on the pendant";
   }
   return error;
@@ -116,8 +117,8 @@ core::Result<std::string> Tcp80Client::run_once(const Tcp80Request& request, Kin
   if (said == Tcp80LineKind::refused || said == Tcp80LineKind::error)
     return tl::unexpected(refusal(request.command, *understood));
   if (said != Tcp80LineKind::ok || understood->find(request.command) == std::string::npos)
-    return core::failure(ErrorCode::link, peer() + ' ' + request.command, "out of step: \"" + *understood + '"',
-                         "the session is closed; connect again");
+    return core::failure(ErrorCode::link, peer() + ' ' + request.command,
+                         "out of step: \"" + tcp80_shown(*understood) + '"', "the session is closed; connect again");
   const auto result_deadline = from_now(settings_.result_timeout);
   if (!request.operands.empty()) {
     if (auto sent = send(request.operands, result_deadline); !sent) return core::forward(sent);
@@ -136,7 +137,7 @@ core::Result<std::string> Tcp80Client::run_once(const Tcp80Request& request, Kin
     case Tcp80LineKind::ok:
       break;
   }
-  return core::failure(ErrorCode::link, peer() + ' ' + request.command, "out of step: \"" + *result + '"',
+  return core::failure(ErrorCode::link, peer() + ' ' + request.command, "out of step: \"" + tcp80_shown(*result) + '"',
                        "the session is closed; connect again");
 }
 

@@ -34,12 +34,9 @@ std::optional<double> real(std::string_view text) {
   return value;
 }
 
-/// Binary text is shown in quotes, cut to a length for a person.
 auto malformed(std::string_view what, std::string_view line) {
-  std::string shown;
-  for (const char c : line.substr(0, 60)) shown += c >= ' ' && c <= '~' ? c : '?';
-  if (line.size() > 60) shown += "...";
-  return core::failure(ErrorCode::link, "answer to " + std::string(what), "not understood: \"" + shown + "\"",
+  return core::failure(ErrorCode::link, "answer to " + std::string(what),
+                       "not understood: \"" + tcp80_shown(line) + "\"",
                        "check that the address is a Yaskawa Ethernet Server");
 }
 
@@ -93,6 +90,13 @@ void read_pose(Reader& reader, CartesianPosition& p, bool seven_axes) {
 }
 
 }  // namespace
+
+std::string tcp80_shown(std::string_view line) {
+  constexpr std::size_t kMost = 120;
+  std::string shown;
+  for (const char c : line.substr(0, kMost)) shown += c >= ' ' && c <= '~' ? c : '?';
+  return line.size() > kMost ? shown + "..." : shown;
+}
 
 core::Status Tcp80LineSplitter::feed(std::string_view bytes) {
   for (const char c : bytes) {

@@ -50,6 +50,9 @@ enum class Tcp80LineKind {
 };
 [[nodiscard]] Tcp80LineKind tcp80_line_kind(std::string_view line);
 
+/// A line of the other side for a person: bytes that are no printable ASCII as `?`, cut after 120.
+[[nodiscard]] std::string tcp80_shown(std::string_view line);
+
 /// The four digits in the brackets at the end of an ERROR or NG line, read as hexadecimal (2060 -> 0x2060).
 [[nodiscard]] std::optional<std::uint16_t> tcp80_fault_code(std::string_view line);
 

@@ -260,5 +260,10 @@ TEST(Tcp80Answers, RandomTextNeverCrashesAParser) {
   }
 }
 
+TEST(Tcp80Codec, WhatTheOtherSideSaysIsShownWithoutItsControlCharacters) {
+  EXPECT_EQ(tcp80_shown("OK: \x1b[31m\xff\r"), "OK: ?[31m??");
+  EXPECT_EQ(tcp80_shown(std::string(5000, 'x')), std::string(120, 'x') + "...");
+}
+
 }  // namespace
 }  // namespace pickcell::robot

@@ -105,6 +105,8 @@ JUMP *NOGRIP IF IN#({input})=OFF
 MOVJ P@13 VJ={joints}
 JUMP *LOST IF IN#({input})=OFF
 MOVL P@12 V={final} PL=0
+' done is only what was in the gripper to the end, also after a stop on the way
+JUMP *LOST IF IN#({input})=OFF
 DOUT OT#({output}) OFF
 TIMER T=0.20
 MOVL P@13 V={travel}

@@ -10,6 +10,7 @@
 
 #include "pickcell/core/date.hpp"
 #include "pickcell/sim/controller_commands.hpp"
+#include "pickcell/sim/hses_element_commands.hpp"
 #include "pickcell/sim/hses_elements.hpp"
 #include "pickcell/sim/position_solver.hpp"
 
@@ -26,7 +27,7 @@ using robot::HsesService;
 using robot::HsesWriter;
 
 constexpr std::uint8_t kStatusRefused = 0x1F;
-constexpr Refused kAnswerTooLarge = 0xA100, kBadGroup = 0xB008, kBadSpeed = 0xB009, kNotLoadable = 0x2120;
+constexpr Refused kBadGroup = 0xB008, kBadSpeed = 0xB009, kNotLoadable = 0x2120;
 constexpr int kMostAlarms = 4, kMostHistory = 100, kTasks = 16;
 
 /// 2010 becomes 0x2010.
@@ -85,6 +86,7 @@ HsesAnswer alarm_history(ControllerState& s, const HsesRequest& r) {
 }
 
 HsesAnswer status(ControllerState& s, const HsesRequest& r) {
+  if (r.instance != 1) return hses_refusal(r, hses_elements::kBadInstance);
   const auto bits = s.status_bits();
   return fields(r, {word(static_cast<std::uint32_t>(bits[0])), word(static_cast<std::uint32_t>(bits[1]))});
 }
@@ -267,67 +269,6 @@ HsesAnswer move_pulses(ControllerState& s, const HsesRequest& r) {
   return go(s, r, target, *speed);
 }
 
-// --- elements ------------------------------------------------------------------------------------------------------
-
-/// One variable, register or group of contacts. Real controllers take attribute 1 with get_one/set_one and attribute 0
-/// with get_all/set_all; the words of a position can be had one by one.
-HsesAnswer element(ControllerState& s, const HsesRequest& r) {
-  const bool words = r.command >= robot::kHsesP && r.command <= robot::kHsesEx;
-  const std::uint8_t most = r.command == robot::kHsesP ? 13 : words ? 9 : 1;
-  if ((!reads(r) && !writes(r)) || r.attribute > most) return hses_refusal(r, hses_elements::kBadAttribute);
-  const bool one_word = words && r.attribute > 0;
-  if (writes(r) && !one_word) return settle(r, hses_elements::write(s, r.command, r.instance, r.payload));
-  const auto value = hses_elements::read(s, r.command, r.instance);
-  if (const auto* refused = std::get_if<Refused>(&value)) return hses_refusal(r, *refused);
-  HsesBytes bytes = std::get<HsesBytes>(value);
-  if (!one_word) return hses_done(r, std::move(bytes));
-  const auto at = bytes.begin() + 4 * (r.attribute - 1);
-  if (reads(r)) return hses_done(r, HsesBytes(at, at + 4));
-  if (r.payload.size() != 4) return hses_refusal(r, hses_elements::kBadLength);
-  std::copy(r.payload.begin(), r.payload.end(), at);
-  return settle(r, hses_elements::write(s, r.command, r.instance, bytes));
-}
-
-HsesAnswer read_many(const ControllerState& s, const HsesRequest& r, std::uint16_t one, std::uint32_t count) {
-  if (r.payload.size() != 4) return hses_refusal(r, hses_elements::kBadLength);
-  HsesWriter out;
-  out.u32(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const auto value = hses_elements::read(s, one, static_cast<int>(r.instance + i));
-    if (const auto* refused = std::get_if<Refused>(&value)) return hses_refusal(r, *refused);
-    out.bytes(std::get<HsesBytes>(value));
-  }
-  return hses_done(r, out.take());
-}
-
-/// All or nothing: tried on a copy first.
-HsesAnswer write_many(ControllerState& s, const HsesRequest& r, std::uint16_t one, std::uint32_t count) {
-  const std::size_t size = robot::hses_element_bytes(r.command);
-  if (r.payload.size() != 4 + count * size) return hses_refusal(r, hses_elements::kBadLength);
-  ControllerState changed = s;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const robot::HsesView bytes = robot::HsesView(r.payload).subspan(4 + i * size, size);
-    const Refused refused = hses_elements::write(changed, one, static_cast<int>(r.instance + i), bytes);
-    if (refused != 0) return hses_refusal(r, refused);
-  }
-  s = std::move(changed);
-  return hses_done(r);
-}
-
-HsesAnswer plural(ControllerState& s, const HsesRequest& r) {
-  const std::uint16_t one = hses_elements::element_of(r.command);
-  const bool reading = r.service == HsesService::read_plural;
-  if (one == 0) return hses_refusal(r, hses_elements::kBadCommand);
-  if ((!reading && r.service != HsesService::write_plural) || r.attribute != 0)
-    return hses_refusal(r, hses_elements::kBadAttribute);
-  if (r.payload.size() < 4) return hses_refusal(r, hses_elements::kBadLength);
-  const std::uint32_t count = HsesReader(r.payload).u32();
-  const bool in_twos = r.command == robot::kHsesPluralIo || r.command == robot::kHsesPluralB;
-  if (count > robot::hses_most_elements(r.command)) return hses_refusal(r, kAnswerTooLarge);
-  if (count == 0 || (in_twos && count % 2 != 0)) return hses_refusal(r, hses_elements::kBadValue);
-  return reading ? read_many(s, r, one, count) : write_many(s, r, one, count);
-}
-
 struct Command {
   std::uint16_t number;
   std::string_view name;  ///< of the command of TCP port 80 that does the same
@@ -389,8 +330,8 @@ HsesAnswer hses_refusal(const HsesRequest& request, std::uint16_t added_status) 
 
 HsesAnswer execute_hses(ControllerState& state, const HsesRequest& request) {
   if (const Command* known = command(request.command)) return known->run(state, request);
-  if (hses_elements::is_element(request.command)) return element(state, request);
-  return plural(state, request);
+  if (hses_elements::is_element(request.command)) return hses_element_command(state, request);
+  return hses_plural_command(state, request);
 }
 
 std::string hses_command_name(const HsesRequest& request) {

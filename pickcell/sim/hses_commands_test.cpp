@@ -55,6 +55,7 @@ class HsesCommands : public testing::Test {
 TEST_F(HsesCommands, StatusHasTheBitsOfRstats) {
   EXPECT_EQ(ask(hses_get(0x72, 1)), (HsesBytes{194, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(ask(hses_get(0x72, 1, 1)), (HsesBytes{194, 0, 0, 0}));
+  EXPECT_EQ(order(hses_get(0x72, 2)), 0xA001);
   ASSERT_EQ(order(hses_power(kHsesServo, true)), 0);
   ASSERT_EQ(order(hses_select_job("VISPICK", 0)), 0);
   ASSERT_EQ(order(hses_start()), 0);

@@ -48,13 +48,28 @@ HsesAnswer with_block(HsesAnswer answer, std::uint32_t block) {
   return answer;
 }
 
-/// Names that fit `*.JBI`, `*.*`, `*` or a name.
-std::string list(const ControllerState& s, const std::string& pattern) {
-  const bool all = pattern == "*.JBI" || pattern == "*.*" || pattern == "*";
+/// `*` stands for any number of characters, `?` for one.
+bool fits(std::string_view name, std::string_view pattern) {
+  std::size_t n = 0, p = 0, star = std::string_view::npos, tried = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++, tried = n;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+      ++n, ++p;
+    } else if (star != std::string_view::npos) {
+      p = star + 1, n = ++tried;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+std::string list(const ControllerState& s, std::string_view pattern) {
   std::string out;
   for (const auto& [name, job] : s.jobs) {
     const std::string file = name + std::string(kExtension);
-    if (all || pattern == file) out += file + "\r\n";
+    if (fits(file, pattern)) out += file + "\r\n";
   }
   return out;
 }

@@ -54,6 +54,7 @@ TEST_F(HsesFileService, ListsInOneBlock) {
   EXPECT_EQ(text(a.payload), "TEST1.JBI\r\nTEST2.JBI\r\nVISPICK.JBI\r\n");
   EXPECT_FALSE(files.handle(state, hses_file_block(HsesService::file_list, a.block))) << "the last ack gets no answer";
   EXPECT_EQ(text(ask(hses_file(HsesService::file_list, "*.DAT")).payload), "");
+  EXPECT_EQ(text(ask(hses_file(HsesService::file_list, "?EST*.J*")).payload), "TEST1.JBI\r\nTEST2.JBI\r\n");
 }
 
 TEST_F(HsesFileService, SavesBlockByBlockAndRepeatsWhatWasLost) {
