@@ -119,6 +119,7 @@ RstStep circular_filter(const RstTask& task) {
     score_rings(s.means.data(), stride, width, task.model.rings, s.best.data(), s.scale.data());
     for (int i = 0; i < width; ++i) {
       const auto at = static_cast<std::size_t>(i);
+      if (!task.options.explain && !(static_cast<double>(s.best[at]) > task.settings.t1)) continue;  // nearly all
       const RstCandidate c{p.x_lo + i, p.y_lo + row, s.scale[at], 0, static_cast<double>(s.best[at]), 1};
       if (c.score > task.settings.t1 && passes_gates(task, s.means.data() + i, stride, c.scale, task.model.ring_means))
         pieces.kept[r].push_back(c);
@@ -148,7 +149,7 @@ class RadialPiece {
       const std::size_t table = lines_.size() == 1 ? 0 : static_cast<std::size_t>(c.scale);
       read(c, table);
       const RadialQuery& query = task_.model.radial(c.scale).query;
-      set_radial_features(means_.data() + (c.x - x_), kRstBlock, query.lines, features_);
+      set_radial_features(means_.data() + (c.x - x_), kTogether, query.lines, features_);
       const bool negative = task_.settings.match_negative;
       const ShiftScore s = task_.variant == RstVariant::erst ? shift_by_ncc(query, features_, task_.shifts, negative)
                                                              : shift_by_dot(query, features_, task_.shifts, negative);
@@ -163,13 +164,15 @@ class RadialPiece {
   }
 
  private:
+  static constexpr int kTogether = kRstBlock / 2;  // candidates stand in small groups
+
   void read(const RstCandidate& c, std::size_t table) {
-    if (y_ == c.y && table_ == table && c.x >= x_ && c.x < x_ + kRstBlock) return;
+    if (y_ == c.y && table_ == table && c.x >= x_ && c.x < x_ + kTogether) return;
     x_ = c.x;
     y_ = c.y;
     table_ = table;
-    means_.resize(lines_[table].inverse_length.size() * kRstBlock);
-    mean_lists(task_.coarse.row(y_) + x_, lines_[table], kRstBlock, means_.data(), kRstBlock);
+    means_.resize(lines_[table].inverse_length.size() * kTogether);
+    mean_lists(task_.coarse.row(y_) + x_, lines_[table], kTogether, means_.data(), kTogether);
   }
 
   const RstTask& task_;

@@ -27,10 +27,6 @@ void score_rings_impl(const float* means, std::ptrdiff_t stride, int n, const Ri
                       std::int32_t* scale) {
   plain::score_rings(means, stride, n, query, best, scale);
 }
-void dots_impl(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts,
-               std::int32_t* out) {
-  plain::dots(a, b, count, starts, out);
-}
 void sum_window_impl(image::ImageView picture, const Window& window, int x, int y, WindowSums& out) {
   out = plain::sum_window(picture, window, x, y);
 }
@@ -55,24 +51,27 @@ HWY_INLINE void store_means(V sums, float inverse_length, float* out) {
   hn::StoreU(hn::Mul(hn::ConvertTo(d, sums), hn::Set(d, inverse_length)), d, out);
 }
 
-/// A block of positions over one list: bytes summed in 16 bits, which hold 256 of them, then in 32.
+/// kPositions neighbours over one list: bytes summed in 16 bits, which hold 256 of them, then in 32.
+template <std::size_t kPositions>
 HWY_INLINE void mean_list(const std::uint8_t* first, const std::int32_t* offset, int count, float inverse_length,
                           float* out) {
-  const DU16 d;
-  const hn::Half<DU16> half;
-  const hn::Rebind<std::int32_t, hn::Half<DU16>> wide;
+  using D = hn::CappedTag<std::uint16_t, kPositions>;
+  const D d;
+  const hn::Rebind<std::uint8_t, D> bytes;
+  const hn::Half<D> half;
+  const hn::Rebind<std::int32_t, hn::Half<D>> wide;
   const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t at = 0; at < kRstBlock; at += lanes) {
+  for (std::size_t at = 0; at < kPositions; at += lanes) {
     auto low = hn::Zero(wide), high = hn::Zero(wide);
     for (int from = 0; from < count; from += 256) {
       const int to = std::min(count, from + 256);
       auto even = hn::Zero(d), odd = hn::Zero(d);
       int k = from;
       for (; k + 1 < to; k += 2) {
-        even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k] + at)));
-        odd = hn::Add(odd, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k + 1] + at)));
+        even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(bytes, first + offset[k] + at)));
+        odd = hn::Add(odd, hn::PromoteTo(d, hn::LoadU(bytes, first + offset[k + 1] + at)));
       }
-      if (k < to) even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(DU8(), first + offset[k] + at)));
+      if (k < to) even = hn::Add(even, hn::PromoteTo(d, hn::LoadU(bytes, first + offset[k] + at)));
       even = hn::Add(even, odd);
       low = hn::Add(low, hn::PromoteTo(wide, hn::LowerHalf(half, even)));
       high = hn::Add(high, hn::PromoteTo(wide, hn::UpperHalf(half, even)));
@@ -82,12 +81,17 @@ HWY_INLINE void mean_list(const std::uint8_t* first, const std::int32_t* offset,
   }
 }
 
+template <std::size_t kPositions>
+HWY_INLINE void mean_block(const std::uint8_t* first, const OffsetLists& lists, float* means, std::ptrdiff_t stride) {
+  for (std::size_t k = 0; k < lists.inverse_length.size(); ++k)
+    mean_list<kPositions>(first, lists.offsets.data() + lists.start[k], lists.start[k + 1] - lists.start[k],
+                          lists.inverse_length[k], means + static_cast<std::ptrdiff_t>(k) * stride);
+}
+
 void mean_lists_impl(const std::uint8_t* first, const OffsetLists& lists, int n, float* means, std::ptrdiff_t stride) {
-  const std::size_t count = lists.inverse_length.size();
-  for (int i = 0; i < n; i += kRstBlock)
-    for (std::size_t k = 0; k < count; ++k)
-      mean_list(first + i, lists.offsets.data() + lists.start[k], lists.start[k + 1] - lists.start[k],
-                lists.inverse_length[k], means + static_cast<std::ptrdiff_t>(k) * stride + i);
+  int i = 0;
+  for (; i + kRstBlock / 2 < n; i += kRstBlock) mean_block<kRstBlock>(first + i, lists, means + i, stride);
+  if (i < n) mean_block<kRstBlock / 2>(first + i, lists, means + i, stride);
 }
 
 void score_rings_impl(const float* means, std::ptrdiff_t stride, int n, const RingQuery& query, float* best,
@@ -127,18 +131,6 @@ template <class V>
 HWY_INLINE std::int64_t total(V v) {
   const D32 d;
   return hn::GetLane(hn::SumOfLanes(d, v));
-}
-
-void dots_impl(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts,
-               std::int32_t* out) {
-  const D16 d;
-  const D32 d32;
-  for (std::size_t s = 0; s < starts.size(); ++s) {
-    auto even = hn::Zero(d32), odd = hn::Zero(d32);
-    for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d)))
-      even = hn::ReorderWidenMulAccumulate(d32, hn::LoadU(d, a + i), hn::LoadU(d, b + starts[s] + i), even, odd);
-    out[s] = static_cast<std::int32_t>(total(hn::Add(even, odd)));
-  }
 }
 
 /// i, i * i and i * t over one run: two products of a step fit 2^16, so 2^15 steps fit a lane.
@@ -253,7 +245,6 @@ namespace pickcell::matches {
 
 HWY_EXPORT(mean_lists_impl);
 HWY_EXPORT(score_rings_impl);
-HWY_EXPORT(dots_impl);
 HWY_EXPORT(sum_window_impl);
 HWY_EXPORT(sum_clipped_impl);
 
@@ -264,10 +255,6 @@ void mean_lists(const std::uint8_t* first, const OffsetLists& lists, int n, floa
 void score_rings(const float* means, std::ptrdiff_t stride, int n, const RingQuery& query, float* best,
                  std::int32_t* scale) {
   HWY_DYNAMIC_DISPATCH(score_rings_impl)(means, stride, n, query, best, scale);
-}
-
-void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts, std::int32_t* out) {
-  HWY_DYNAMIC_DISPATCH(dots_impl)(a, b, count, starts, out);
 }
 
 WindowSums sum_window(image::ImageView picture, const Window& window, int x, int y) {
@@ -315,13 +302,6 @@ void score_rings(const float* means, std::ptrdiff_t stride, int n, const RingQue
         scale[i] = static_cast<std::int32_t>(s);
       }
     }
-  }
-}
-
-void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts, std::int32_t* out) {
-  for (std::size_t s = 0; s < starts.size(); ++s) {
-    out[s] = 0;
-    for (int i = 0; i < count; ++i) out[s] += a[i] * b[starts[s] + i];
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "pickcell/matches/rst_lut.hpp"
@@ -31,9 +30,6 @@ struct RingQuery {
 void score_rings(const float* means, std::ptrdiff_t stride, int n, const RingQuery& query, float* best,
                  std::int32_t* scale);
 
-/// out[s] = dot product of a and b + starts[s], 16-bit values; count a multiple of kRstBlock, |sums| < 2^31.
-void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts, std::int32_t* out);
-
 /// Sums of picture, window and products; pixels outside the picture are left out.
 [[nodiscard]] WindowSums sum_window(image::ImageView picture, const Window& window, int x, int y);
 
@@ -42,7 +38,6 @@ namespace plain {
 void mean_lists(const std::uint8_t* first, const OffsetLists& lists, int n, float* means, std::ptrdiff_t stride);
 void score_rings(const float* means, std::ptrdiff_t stride, int n, const RingQuery& query, float* best,
                  std::int32_t* scale);
-void dots(const std::int16_t* a, const std::int16_t* b, int count, std::span<const int> starts, std::int32_t* out);
 [[nodiscard]] WindowSums sum_window(image::ImageView picture, const Window& window, int x, int y);
 }  // namespace plain
 

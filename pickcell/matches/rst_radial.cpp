@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "pickcell/matches/rst_kernels.hpp"
+#include "pickcell/matches/rst_radial_kernels.hpp"
 
 namespace pickcell::matches {
 namespace {
@@ -27,9 +28,15 @@ double ncc_of(std::int64_t n, std::int64_t x, std::int64_t xx, std::int64_t y, s
 
 struct BestDot {
   int shift = 0;
-  std::int64_t value = 0;  ///< N * dot - sum * sum, by which turns are compared
+  std::int64_t value = 0;  ///< N * dot - sum * sum
   bool any = false;
 };
+
+/// By which turns are compared.
+std::int64_t value_of(const RadialQuery& query, const RadialFeatures& f, std::int32_t product, bool negative) {
+  const std::int64_t centred = query.lines * static_cast<std::int64_t>(product) - query.sum * f.sum;
+  return negative ? std::abs(centred) : centred;
+}
 
 /// Looks at some turns in order; ties go to the first.
 void look(const RadialQuery& query, const RadialFeatures& f, std::span<const int> shifts, bool negative,
@@ -39,10 +46,33 @@ void look(const RadialQuery& query, const RadialFeatures& f, std::span<const int
   for (std::size_t i = 0; i < shifts.size(); ++i) starts[i] = start_of(shifts[i], query.lines);
   dots(f.values.data(), query.doubled.data(), padded(query.lines), {starts.data(), shifts.size()}, product.data());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
-    const std::int64_t centred = query.lines * static_cast<std::int64_t>(product[i]) - query.sum * f.sum;
-    const std::int64_t value = negative ? std::abs(centred) : centred;
+    const std::int64_t value = value_of(query, f, product[i], negative);
     if (!best.any || value > best.value) best = {shifts[i], value, true};
   }
+}
+
+/// Looks at the turns 0, 2, 4, ..; their number. Turn m begins at n - m of the doubled query, so that the last of them
+/// comes first; ties go to the smallest.
+int look_at_every_second(const RadialQuery& query, const RadialFeatures& f, bool negative, BestDot& best) {
+  const int n = query.lines, count = (n + 1) / 2, last = 2 * (count - 1);
+  std::array<std::int32_t, kMostLines> product;
+  stepped_dots(f.values.data(), query.doubled.data() + n - last, count, count, product.data());
+  int at = 0;
+  if (negative) {
+    for (int t = 1; t < count; ++t)
+      if (value_of(query, f, product[static_cast<std::size_t>(t)], true) >=
+          value_of(query, f, product[static_cast<std::size_t>(at)], true))
+        at = t;
+  } else {  // the product alone decides; without branches, as any turn may be the best
+    std::int32_t top = product[0];
+    for (int t = 1; t < count; ++t) {
+      const std::int32_t here = product[static_cast<std::size_t>(t)];
+      at = here >= top ? t : at;
+      top = here >= top ? here : top;
+    }
+  }
+  best = {last - 2 * at, value_of(query, f, product[static_cast<std::size_t>(at)], negative), true};
+  return count;
 }
 
 ShiftScore normalised(const RadialQuery& query, const RadialFeatures& f, const BestDot& best, int compared) {
@@ -72,7 +102,7 @@ RadialQuery make_radial_query(std::span<const float> means) {
 }
 
 void set_radial_features(const float* means, std::ptrdiff_t stride, int lines, RadialFeatures& out) {
-  out.values.assign(static_cast<std::size_t>(padded(lines)), 0);
+  out.values.resize(static_cast<std::size_t>(padded(lines)), 0);
   out.sum = out.sum_sq = 0;
   for (int j = 0; j < lines; ++j) {
     // Grey values are not negative, so cutting rounds down.
@@ -116,10 +146,7 @@ ShiftScore shift_by_dot(const RadialQuery& query, const RadialFeatures& f, const
     look(query, f, allowed, negative, best);
     return normalised(query, f, best, static_cast<int>(allowed.size()));
   }
-  std::array<int, kMostLines> even;
-  int count = 0;
-  for (int m = 0; m < n; m += 2) even[static_cast<std::size_t>(count++)] = m;
-  look(query, f, {even.data(), static_cast<std::size_t>(count)}, negative, best);
+  const int count = look_at_every_second(query, f, negative, best);
   const int beside[] = {(best.shift + n - 1) % n, (best.shift + 1) % n};
   look(query, f, beside, negative, best);
   return normalised(query, f, best, count + 2);

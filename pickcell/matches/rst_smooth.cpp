@@ -1,23 +1,66 @@
 #include "pickcell/matches/rst_smooth.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
-namespace pickcell::matches {
-namespace {
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pickcell/matches/rst_smooth.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
 
-constexpr int kBlock = 16;  // a fixed length lets the compiler use vectors
+HWY_BEFORE_NAMESPACE();
+namespace pickcell::matches::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
 /// out[x] = a[x] + 3 b[x] + 3 c[x] + d[x] for n values.
-void columns_1331(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, const std::uint8_t* d,
-                  std::uint16_t* __restrict out, int n) {
+void columns_1331(const std::uint8_t* HWY_RESTRICT a, const std::uint8_t* HWY_RESTRICT b,
+                  const std::uint8_t* HWY_RESTRICT c, const std::uint8_t* HWY_RESTRICT d,
+                  std::uint16_t* HWY_RESTRICT out, int n) {
+  const hn::ScalableTag<std::uint16_t> d16;
+  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16));
+  const auto load = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(d16, hn::LoadU(d8, p)); };
   int x = 0;
-  for (; x + kBlock <= n; x += kBlock)
-    for (int k = x; k < x + kBlock; ++k) out[k] = static_cast<std::uint16_t>(a[k] + d[k] + 3 * (b[k] + c[k]));
+  for (; x + lanes <= n; x += lanes) {
+    const auto middle = hn::Add(load(b + x), load(c + x));
+    const auto outer = hn::Add(load(a + x), load(d + x));
+    hn::StoreU(hn::Add(outer, hn::Add(middle, hn::Add(middle, middle))), d16, out + x);
+  }
   for (; x < n; ++x) out[x] = static_cast<std::uint16_t>(a[x] + d[x] + 3 * (b[x] + c[x]));
 }
 
-}  // namespace
+/// out[x] = (c[2x - 1] + 3 c[2x] + 3 c[2x + 1] + c[2x + 2] + 32) / 64 for n values, rounding down.
+void rows_1331(const std::uint16_t* HWY_RESTRICT c, std::uint8_t* HWY_RESTRICT out, int n) {
+  int x = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::ScalableTag<std::uint16_t> d16;
+  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16));
+  for (; x + lanes <= n; x += lanes) {
+    hn::Vec<decltype(d16)> before, even, odd, after;
+    hn::LoadInterleaved2(d16, c + 2 * x - 1, before, even);
+    hn::LoadInterleaved2(d16, c + 2 * x + 1, odd, after);
+    const auto middle = hn::Add(even, odd);
+    const auto sum = hn::Add(hn::Add(before, after), hn::Add(middle, hn::Add(middle, middle)));
+    const auto mean = hn::ShiftRight<6>(hn::Add(sum, hn::Set(d16, std::uint16_t{32})));
+    hn::StoreU(hn::DemoteTo(d8, hn::BitCast(hn::RebindToSigned<decltype(d16)>(), mean)), d8, out + x);
+  }
+#endif
+  for (; x < n; ++x)
+    out[x] = static_cast<std::uint8_t>((c[2 * x - 1] + c[2 * x + 2] + 3 * (c[2 * x] + c[2 * x + 1]) + 32) >> 6);
+}
+
+}  // namespace pickcell::matches::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pickcell::matches {
+
+HWY_EXPORT(columns_1331);
+HWY_EXPORT(rows_1331);
 
 void smooth(image::ImageView picture, image::Image& out) {
   const int w = picture.width(), h = picture.height();
@@ -41,14 +84,14 @@ void halve_binomially(image::ImageView picture, image::Image& out) {
   out.resize(w / 2, h / 2);
   std::vector<std::uint16_t> column(static_cast<std::size_t>(w) + 2);
   std::uint16_t* c = column.data() + 1;
+  const auto columns = HWY_DYNAMIC_DISPATCH(columns_1331);
+  const auto rows = HWY_DYNAMIC_DISPATCH(rows_1331);
   for (int y = 0; y < out.height(); ++y) {
-    columns_1331(picture.row(std::max(0, 2 * y - 1)), picture.row(2 * y), picture.row(2 * y + 1),
-                 picture.row(std::min(h - 1, 2 * y + 2)), c, w);
+    columns(picture.row(std::max(0, 2 * y - 1)), picture.row(2 * y), picture.row(2 * y + 1),
+            picture.row(std::min(h - 1, 2 * y + 2)), c, w);
     c[-1] = c[0];
     c[w] = c[w - 1];
-    std::uint8_t* o = out.row(y);
-    for (int x = 0; x < out.width(); ++x)
-      o[x] = static_cast<std::uint8_t>((c[2 * x - 1] + c[2 * x + 2] + 3 * (c[2 * x] + c[2 * x + 1]) + 32) >> 6);
+    rows(c, out.row(y), out.width());
   }
 }
 
@@ -71,3 +114,4 @@ image::ImageView CoarsePicture::make(const image::Pyramid& pyramid, int level, c
 }
 
 }  // namespace pickcell::matches
+#endif
