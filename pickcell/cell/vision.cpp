@@ -68,17 +68,16 @@ core::Result<Sight> Vision::look(const frames::Frame& frame, std::uint64_t first
   options.max_matches = settings_.max_matches;
   options.threads = settings_.threads;
   options.explain = true;
-  auto found = engine_->find(pyramid_, searched_, options);
-  if (!found) return core::forward(found);
+  if (auto found = engine_->find_into(pyramid_, searched_, options, found_); !found) return core::forward(found);
   sight.match_ms = ms_since(start);
 
   const auto view = view_of(frame);
   if (!view) sight.unfit = view.error();
-  for (matches::Match& match : found->matches) {
-    sight.seen.push_back({first_id++, std::move(match), {}});
+  for (const matches::Match& match : found_.matches) {
+    sight.seen.push_back({first_id++, match, {}});
     judge_one(sight, sight.seen.back(), frame, view);
   }
-  for (matches::Rejected& rejected : found->rejected) {
+  for (const matches::Rejected& rejected : found_.rejected) {
     if (rejected.reason != matches::RejectReason::score || rejected.stage != matches::Stage::final) continue;
     const matches::Model& model = models_[static_cast<std::size_t>(rejected.match.model_index)];
     if (rejected.match.score < kNearThreshold * model.learnt.suggested_min_score) continue;

@@ -73,6 +73,7 @@ class Vision {
   Settings settings_;
   poses::View fixed_view_;  ///< without a hand-eye calibration
   image::Pyramid pyramid_;
+  matches::FindResult found_;  ///< its memory is used again: the search takes nothing from the heap
 };
 
 }  // namespace pickcell::cell

@@ -79,9 +79,9 @@ class Search {
     out.ms = watch.ms();
     if (!found) return core::forward(found);
     out.image = index;
-    for (const auto& stage : found->stages) out.ncc_count += stage.ncc_count;
-    out.stages = found->stages;
-    score(image, model, *found, out);
+    for (const auto& stage : found_.stages) out.ncc_count += stage.ncc_count;
+    out.stages = found_.stages;
+    score(image, model, found_, out);
     if (options_.explain && !image.has_instances && !out.loose) {
       auto loss = explain_loss(engine_, pyramid_, model, image.truths.front(),
                                set_.templates[image.template_index].symmetry_deg, how);
@@ -101,10 +101,11 @@ class Search {
     return how;
   }
 
-  core::Result<FindResult> find(image::ImageView view, const matches::Model& model, const SearchOptions& how) {
+  /// Into found_, whose memory is used again: as a cell does it.
+  core::Status find(image::ImageView view, const matches::Model& model, const SearchOptions& how) {
     pyramid_.build(view);
     const matches::Model* one[] = {&model};
-    return engine_.find(pyramid_, one, how);
+    return engine_.find_into(pyramid_, one, how, found_);
   }
 
   void score(const DatasetImage& image, const matches::Model& model, const FindResult& found, ImageOutcome& out) const {
@@ -133,7 +134,7 @@ class Search {
     }
     auto found = find(view, *models_[*other], how);
     if (!found) return core::forward(found);
-    out.false_accept = !found->matches.empty();
+    out.false_accept = !found_.matches.empty();
     return {};
   }
 
@@ -142,6 +143,7 @@ class Search {
   matches::Engine& engine_;
   const BenchOptions& options_;
   image::Pyramid pyramid_;
+  FindResult found_;
 };
 
 }  // namespace

@@ -39,7 +39,8 @@ Runner add(CLI::App& app) {
   app.allow_extras();
   return [](Io&) -> core::Result<int> {
     return core::failure(core::ErrorCode::usage, "calibrate", "this build has no calibration",
-                         "configure with -DPICKCELL_WITH_CALIBRATION=ON (needs libopencv-contrib-dev, libceres-dev)");
+                         "configure with -DPICKCELL_WITH_CELL=ON -DPICKCELL_WITH_CALIBRATION=ON (needs "
+                         "libopencv-contrib-dev, libceres-dev)");
   };
 }
 

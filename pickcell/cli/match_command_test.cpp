@@ -362,6 +362,19 @@ TEST(Command, HelpAndVersion) {
   EXPECT_EQ(pickcell({}).code, 2);
 }
 
+/// A build without the cell knows its commands by name, and says what is missing.
+TEST(Command, WhatIsLeftOutSaysSo) {
+  for (const Subcommand& command : subcommands()) {
+    if (command.summary != "not in this build") continue;
+    for (const char* word : {"--help", "--port=1", "now"}) {
+      const Outcome said = pickcell({command.name, word});
+      EXPECT_EQ(said.code, 2);
+      EXPECT_EQ(said.err, "pickcell: " + command.name +
+                              ": this build has no cell, only the matcher; configure with -DPICKCELL_WITH_CELL=ON\n");
+    }
+  }
+}
+
 TEST(Command, TheBinaryGivesTheSameExitCodes) {
   const auto exit_code = [](const std::string& args) {
     const int status = std::system((std::string(PICKCELL_BINARY) + " " + args + " >/dev/null 2>&1").c_str());

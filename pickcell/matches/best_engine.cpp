@@ -16,6 +16,7 @@ namespace {
 constexpr int kMostMatches = 200;
 constexpr int kPerLocation = 5;         // of several parts: candidates for one of them
 constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at
+constexpr int kMostAtBorder = 8;        // parts that are told to be too far outside
 constexpr double kForget = 0.995;       // of the finishing time, per call
 constexpr double kSpread = 1.3;         // the next call may take a little longer
 constexpr double kMostFinishing = 0.6;  // of the budget
@@ -92,15 +93,16 @@ BestModel& BestEngine::prepared(const Model& model, Range scale) {
 
 std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& model,
                                                            const std::vector<CoarseTemplates>& bands, int count,
-                                                           const SearchOptions& options, WorkBudget& budget,
-                                                           FindResult& result) {
+                                                           bool border, const SearchOptions& options,
+                                                           WorkBudget& budget, FindResult& result) {
   CoarseRequest request;
   request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
   if (options.roi) request.box = anchor_box(*options.roi, model);
   request.candidates = count;
+  request.border = border;
   if (options.max_matches > 1) {
     request.per_location = kPerLocation;
-    request.relative_limit = kRelativeLimit;
+    request.relative_limit = border ? kRelativeLimit / 2 : kRelativeLimit;  // about half of the part is there
   }
   request.threads = static_cast<int>(scratch_.size());
   std::pmr::vector<Found> all(&arena_);
@@ -112,7 +114,7 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
     all.push_back({&templates, std::pmr::vector<CoarseCandidate>(&arena_)});
     coarse_.run(top, templates, request, budget, all.back().list);
     StageReport report;
-    report.stage = "coarse";
+    report.stage = border ? "border" : "coarse";
     report.population = coarse_.peaks();
     report.survivors = static_cast<std::int64_t>(all.back().list.size());
     report.ms = thread_cpu_ms() - start_ms;
@@ -185,7 +187,7 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     const auto few = static_cast<std::size_t>(several ? most : settings_.quick.candidates);
     if (several) prepare_wide(model);
     const std::pmr::vector<Found> bands =
-        candidates(model, several ? model.wide : model.quick, most, options, budget, result);
+        candidates(model, several ? model.wide : model.quick, most, false, options, budget, result);
     for (const Found& f : bands) {
       add(f, 0, few, several ? settings_.wide : settings_.quick);
       if (enough()) return all;
@@ -197,10 +199,26 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     }
   }
   prepare_thorough(model);
-  for (const Found& f : candidates(model, model.thorough, settings_.thorough.candidates, options, budget, result)) {
+  for (const Found& f :
+       candidates(model, model.thorough, settings_.thorough.candidates, false, options, budget, result)) {
     add(f, 0, f.list.size(), settings_.thorough);
     if (enough()) return all;
   }
+  return all;
+}
+
+Followed BestEngine::search_border(BestModel& model, const SearchOptions& options, WorkBudget& budget,
+                                   FindResult& result) {
+  SearchOptions several = options;
+  several.max_matches = kMostAtBorder;
+  const bool fine = settings_.effort == Effort::thorough;
+  const std::vector<CoarseTemplates>& bands = fine                      ? model.thorough
+                                              : options.max_matches > 1 ? model.wide
+                                                                        : model.quick;
+  Followed all(&arena_);
+  for (const Found& f : candidates(model, bands, kPerLocation * kMostAtBorder, true, several, budget, result))
+    if (!budget.spent())
+      merge(descend(f.list, model, *f.templates, settings_.quick, several, budget, result), model, all);
   return all;
 }
 
@@ -240,6 +258,8 @@ core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const 
     if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
     if (i > 0 && budget.spent()) break;
     selection.add(model, static_cast<int>(i), search(model, options, budget, result));
+    if (options.explain && !budget.spent())
+      selection.add_at_border(model, static_cast<int>(i), search_border(model, options, budget, result));
   }
   selection.finish(result);
   result.complete = !budget.spent();

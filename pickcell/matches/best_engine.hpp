@@ -53,10 +53,10 @@ class BestEngine final : public Engine {
     const CoarseTemplates* templates;
     std::pmr::vector<CoarseCandidate> list;
   };
-  /// Bands of the best candidates first.
+  /// Bands of the best candidates first. border: of parts that show too little for a match.
   [[nodiscard]] std::pmr::vector<Found> candidates(const BestModel& model, const std::vector<CoarseTemplates>& bands,
-                                                   int count, const SearchOptions& options, WorkBudget& budget,
-                                                   FindResult& result);
+                                                   int count, bool border, const SearchOptions& options,
+                                                   WorkBudget& budget, FindResult& result);
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
                                  const SearchOptions& options, WorkBudget& budget, FindResult& result);
@@ -65,6 +65,9 @@ class BestEngine final : public Engine {
   [[nodiscard]] Acceptance acceptance() const;
   [[nodiscard]] bool sure(const Followed& followed, const BestModel& model, const SearchOptions& options) const;
   [[nodiscard]] Followed search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result);
+  /// Parts too far outside to be found, for --explain: the search for matches does not look there.
+  [[nodiscard]] Followed search_border(BestModel& model, const SearchOptions& options, WorkBudget& budget,
+                                       FindResult& result);
 
   BestSettings settings_;
   WorkBudget::CpuClock cpu_ms_;

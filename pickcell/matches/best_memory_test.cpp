@@ -80,11 +80,13 @@ TEST(BestSearch, TakesNothingFromTheHeapInTheSteadyState) {
   struct Case {
     std::span<const Model* const> models;
     int most;
+    bool explain;
   };
-  for (const Case& c : {Case{both, 20}, Case{one, 1}, Case{none, 1}}) {
+  for (const Case& c : {Case{both, 20, false}, Case{one, 1, false}, Case{none, 1, false}, Case{both, 20, true}}) {
     BestEngine engine;
     SearchOptions options;
     options.max_matches = c.most;
+    options.explain = c.explain;
     FindResult result;
     for (int call = 0; call < 4; ++call) {
       const long before = allocations;
@@ -92,7 +94,7 @@ TEST(BestSearch, TakesNothingFromTheHeapInTheSteadyState) {
       ASSERT_TRUE(engine.find_into(pyramid, c.models, options, result));
       const long taken = allocations - before;
       if (call >= 2) {
-        EXPECT_EQ(taken, 0) << c.models.size() << " models, call " << call;
+        EXPECT_EQ(taken, 0) << c.models.size() << " models, explain " << c.explain << ", call " << call;
       }
     }
     EXPECT_EQ(result.matches.size(), c.most > 1 ? 3u : c.models[0] == &first ? 1u : 0u);

@@ -34,29 +34,31 @@ FourTemplates templates_of(const CoarseTile& tile, const std::vector<std::int32_
           {tile.norm[0], tile.norm[1], tile.norm[2], tile.norm[3]}};
 }
 
-struct Span {
-  int lo, hi;  // half open
-};
+}  // namespace
 
-/// Positions along one axis from which enough of the template is in the picture, and inside the box.
-Span positions(int cells, int low, int high, double factor, const double* box_lo, const double* box_hi) {
+CoarseSearch::Span CoarseSearch::positions(int cells, int low, int high, double factor, const double* box_lo,
+                                           const double* box_hi) {
   Span s{std::max(0, -low), std::min(cells, cells - high)};
   if (box_lo) s.lo = std::max(s.lo, static_cast<int>(std::floor((*box_lo + 0.5) / factor - 0.5)));
   if (box_hi) s.hi = std::min(s.hi, static_cast<int>(std::ceil((*box_hi + 0.5) / factor - 0.5)) + 1);
   return s;
 }
 
-}  // namespace
-
 void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
                         const CoarseRequest& request) {
   map.score.resize(scene.width + kKernelBlock, scene.height);
   map.row_best.assign(static_cast<std::size_t>(scene.height), kNothing);
   const auto* box = request.box ? &*request.box : nullptr;
-  const Span xs =
-      positions(scene.width, tile.left, tile.right, t.factor, box ? &box->x0 : nullptr, box ? &box->x1 : nullptr);
-  const Span ys =
-      positions(scene.height, tile.top, tile.bottom, t.factor, box ? &box->y0 : nullptr, box ? &box->y1 : nullptr);
+  const auto columns = [&](const CoarseTile::Sides& s) {
+    return positions(scene.width, s.left, s.right, t.factor, box ? &box->x0 : nullptr, box ? &box->x1 : nullptr);
+  };
+  const auto rows = [&](const CoarseTile::Sides& s) {
+    return positions(scene.height, s.top, s.bottom, t.factor, box ? &box->y0 : nullptr, box ? &box->y1 : nullptr);
+  };
+  map.columns = columns(tile.found);
+  map.rows = rows(tile.found);
+  const Span xs = request.border ? columns(tile.named) : map.columns;
+  const Span ys = request.border ? rows(tile.named) : map.rows;
   set_offsets(tile, scene, map.offsets);
   const FourTemplates four = templates_of(tile, map.offsets);
   if (ys.lo < ys.hi && xs.lo < xs.hi)
@@ -99,7 +101,7 @@ bool CoarseSearch::is_peak(const CoarseTemplates& t, const Peak& p) const {
   return true;
 }
 
-void CoarseSearch::find_local_maxima(const CoarseTemplates& t, float limit) {
+void CoarseSearch::find_local_maxima(const CoarseTemplates& t, float limit, bool border) {
   all_.clear();
   for (std::size_t i = 0; i < t.tiles.size(); ++i) {
     const Map& m = maps_[i];
@@ -109,6 +111,7 @@ void CoarseSearch::find_local_maxima(const CoarseTemplates& t, float limit) {
       const float* row = m.score.row(y);
       for (int x = 0; x < m.score.width() - kKernelBlock; ++x) {
         if (row[x] <= limit) continue;
+        if (border && m.columns.has(x) && m.rows.has(y)) continue;
         const Peak p{row[x], static_cast<int>(i), y, x};
         if (is_peak(t, p)) all_.push_back(p);
       }
@@ -132,7 +135,7 @@ void CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t, const
   for (std::size_t i = 0; i < t.tiles.size(); ++i)
     if (maps_[i].searched)
       for (float b : maps_[i].row_best) best = std::max(best, b);
-  find_local_maxima(t, std::max(request.limit, request.relative_limit * best));
+  find_local_maxima(t, std::max(request.limit, request.relative_limit * best), request.border);
 
   const double near_cells = 0.25 * t.side;
   out.clear();

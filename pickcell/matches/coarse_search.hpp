@@ -29,6 +29,7 @@ struct CoarseRequest {
   int per_location = 8;          ///< candidates whose anchors lie within a quarter of the part's side
   float relative_limit = 0.45f;  ///< of the best score
   float limit = 0.f;
+  bool border = false;  ///< only where less of the part is in the picture than a match must show
   int threads = 1;
 };
 
@@ -43,19 +44,26 @@ class CoarseSearch {
   [[nodiscard]] int peaks() const { return static_cast<int>(all_.size()); }
 
  private:
+  struct Span {
+    int lo = 0, hi = 0;  ///< half open
+    [[nodiscard]] bool has(int v) const { return v >= lo && v < hi; }
+  };
   struct Map {
     bool searched = false;
     image::Plane<float> score;
     std::vector<float> row_best;
     std::vector<std::int32_t> offsets;
+    Span columns, rows;  ///< positions that show enough for a match
   };
   struct Peak {
     float score;
     int tile, y, x;
   };
+  /// Positions along one axis from which enough of the template is in the picture, and inside the box.
+  static Span positions(int cells, int low, int high, double factor, const double* box_lo, const double* box_hi);
   void fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
             const CoarseRequest& request);
-  void find_local_maxima(const CoarseTemplates& t, float limit);
+  void find_local_maxima(const CoarseTemplates& t, float limit, bool border);
   [[nodiscard]] bool is_peak(const CoarseTemplates& t, const Peak& p) const;
 
   std::vector<Map> maps_;

@@ -15,6 +15,7 @@ constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not informat
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
 constexpr int kWorkRounds = 3;
 constexpr double kBandRatio = 1.42;   // 0.5 to 2 makes four bands
+constexpr double kNamedShare = 0.5;   // a part at the border that shows less is not told from the ground
 constexpr double kSquareRms = 0.816;  // rms radius of a square over its half side
 
 /// A sample of the template's orientation tensor: place relative to the anchor (level-0 pixels) and value.
@@ -105,7 +106,7 @@ float magnitude_at(const FourPlanes& planes, std::size_t i) {
   return m;
 }
 
-void set_limits(CoarseTile& tile, const FourPlanes& planes, int reach, double min_visible) {
+void set_sides(CoarseTile& tile, const FourPlanes& planes, int reach, double min_visible) {
   const int side = 2 * reach + 1;
   std::vector<int> xs, ys;
   std::vector<float> magnitude;
@@ -116,10 +117,12 @@ void set_limits(CoarseTile& tile, const FourPlanes& planes, int reach, double mi
         ys.push_back(y - reach);
         magnitude.push_back(m);
       }
-  tile.left = weighted_quantile(xs, magnitude, 1 - min_visible);
-  tile.right = weighted_quantile(xs, magnitude, min_visible);
-  tile.top = weighted_quantile(ys, magnitude, 1 - min_visible);
-  tile.bottom = weighted_quantile(ys, magnitude, min_visible);
+  const auto sides = [&](double share) {
+    return CoarseTile::Sides{weighted_quantile(xs, magnitude, 1 - share), weighted_quantile(xs, magnitude, share),
+                             weighted_quantile(ys, magnitude, 1 - share), weighted_quantile(ys, magnitude, share)};
+  };
+  tile.found = sides(min_visible);
+  tile.named = sides(std::min(kNamedShare, min_visible));
 }
 
 /// Walks each row from the left: a cell with weight and its right neighbour make a tap.
@@ -188,7 +191,7 @@ CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& 
       CoarseTile tile = make_tile(planes, out.reach);
       tile.scale_index = static_cast<int>(s);
       tile.first_angle = a0;
-      set_limits(tile, planes, out.reach, d.min_visible);
+      set_sides(tile, planes, out.reach, d.min_visible);
       out.tiles.push_back(std::move(tile));
     }
   }

@@ -19,8 +19,12 @@ struct CoarseTile {
   std::vector<std::int8_t> weights;  ///< 16 per tap, see FourTemplates
   std::int32_t bias[4] = {};
   float norm[4] = {};  ///< 1 / (127 sum |weight|): the score of a perfect edge picture is 1
-  /// A position x sees at least the asked-for share of the template when -left <= x <= width - 1 - right (same for y).
-  int left = 0, right = 0, top = 0, bottom = 0;
+  /// A position x sees at least a share of the template when -left <= x <= width - 1 - right (same for y).
+  struct Sides {
+    int left = 0, right = 0, top = 0, bottom = 0;
+  };
+  Sides found;  ///< the share that a match must show
+  Sides named;  ///< the share from which a part at the border is still told
 };
 
 struct CoarseTemplates {

@@ -87,6 +87,18 @@ void Selection::add(const BestModel& model, int model_index, Followed followed) 
   }
 }
 
+void Selection::add_at_border(const BestModel& model, int model_index, const Followed& followed) {
+  for (const Hypothesis& h : followed.found) {
+    const bool known = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& o) {
+      return o.model == &model && same_place(o.h.place, h.place, model.side_px);
+    });
+    if (known || h.inside >= settings_.min_visible) continue;
+    Entry e = entry(model, model_index, h);
+    const RejectReason* const reason = fault(e);
+    if (reason && *reason == RejectReason::border && e.score >= limit_of(e)) turn_down(std::move(e), *reason);
+  }
+}
+
 void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
   if (score < e.h.score - settings_.ambiguous_margin) return;
   const auto known = std::any_of(e.ambiguous_deg.begin(), e.ambiguous_deg.end(),
@@ -205,9 +217,11 @@ void Selection::finish(FindResult& result) {
   report.survivors = static_cast<std::int64_t>(kept.size());
   report.ms = thread_cpu_ms() - start_ms;
   result.stages.push_back(report);
-  result.rejected.clear();
-  std::stable_sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
-    return a.stage != b.stage ? a.stage > b.stage : order(a.entry, b.entry);
+  std::sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
+    if (a.stage != b.stage) return a.stage > b.stage;
+    if (order(a.entry, b.entry) || order(b.entry, a.entry)) return order(a.entry, b.entry);
+    return std::tie(a.entry.h.place.angle_rad, a.entry.h.place.scale, a.reason) <
+           std::tie(b.entry.h.place.angle_rad, b.entry.h.place.scale, b.reason);
   });
   result.rejected.resize(std::min(turned_.size(), kMostRejected));
   for (std::size_t i = 0; i < result.rejected.size(); ++i) {

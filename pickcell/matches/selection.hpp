@@ -19,6 +19,8 @@ class Selection {
   Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch,
             WorkBudget& budget, std::pmr::memory_resource* memory);
   void add(const BestModel& model, int model_index, Followed followed);
+  /// Of finds that show too little: those that would be matches further inside are turned down because of the border.
+  void add_at_border(const BestModel& model, int model_index, const Followed& followed);
   /// Replaces matches and, when options.explain is set, rejected; adds its stage.
   void finish(FindResult& result);
 

@@ -39,9 +39,10 @@ core::Result<SearchOptions::Roi> checked_roi(const TeachInput& input) {
   if (roi.x < 0 || roi.y < 0 || roi.w < 1 || roi.h < 1 || roi.w > width - roi.x || roi.h > height - roi.y)
     return refuse("roi", "the rectangle is not inside the picture of " + size_words(width, height),
                   "write x,y,w,h within the picture");
-  if (roi.w < kMinSidePx || roi.h < kMinSidePx)
+  if (roi.w < kMinSidePx || roi.h < kMinSidePx || roi.w * static_cast<long>(roi.h) < kMinPartPixels)
     return refuse("template", "it is only " + size_words(roi.w, roi.h) + " pixels",
-                  "use a template of at least 25x25 pixels");
+                  "use one of at least " + std::to_string(kMinSidePx) + " pixels a side and " +
+                      std::to_string(kMinPartPixels) + " in all; below about 25x25 some parts are missed");
   return roi;
 }
 

@@ -145,7 +145,12 @@ TEST(Teach, BadRangesAndPlacesAreRefused) {
   EXPECT_NE(refused([](TeachInput& i) { i.scale = {1, std::numeric_limits<double>::infinity()}; }), "taught");
   EXPECT_NE(refused([](TeachInput& i) { i.roi = SearchOptions::Roi{100, 0, 21, 20}; }), "taught");
   EXPECT_NE(refused([](TeachInput& i) { i.roi = SearchOptions::Roi{-1, 0, 21, 20}; }), "taught");
-  EXPECT_NE(refused([](TeachInput& i) { i.roi = SearchOptions::Roi{0, 0, 3, 50}; }), "taught");
+  const std::string small =
+      "; use one of at least 6 pixels a side and 64 in all; below about 25x25 some parts are missed";
+  EXPECT_EQ(refused([](TeachInput& i) { i.roi = SearchOptions::Roi{0, 0, 3, 50}; }),
+            "template: it is only 3x50 pixels" + small);
+  EXPECT_EQ(refused([](TeachInput& i) { i.roi = SearchOptions::Roi{0, 0, 7, 9}; }),
+            "template: it is only 7x9 pixels" + small);
   EXPECT_NE(refused([&](TeachInput& i) { i.ref_px = TeachInput::Point{nan, 0}; }), "taught");
   EXPECT_NE(refused([&](TeachInput& i) { i.grasps = {{0, 0, nan, false}}; }), "taught");
   EXPECT_NE(refused([&](TeachInput& i) { i.height_m = nan; }), "taught");

@@ -32,7 +32,11 @@ Texture::Texture(int width, int height, unsigned seed)
     const double wide = 1.5 + 2 * u(rng);
     const double lengthy = wide * (1 + 2 * u(rng));
     const double height_grey = (u(rng) < 0.5 ? -1 : 1) * (40 + 60 * u(rng));
-    add_blob(u(rng) * width, u(rng) * height, u(rng) * 3.14159265, lengthy, wide, height_grey);
+    // One draw a statement: compilers for different machines evaluate arguments in different orders.
+    const double angle = u(rng) * 3.14159265;
+    const double y = u(rng) * height;
+    const double x = u(rng) * width;
+    add_blob(x, y, angle, lengthy, wide, height_grey);
   }
   for (float& v : raster_) v = std::clamp(v, 5.f, 250.f);
 }
