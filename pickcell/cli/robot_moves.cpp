@@ -23,6 +23,7 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 constexpr auto kPoll = std::chrono::milliseconds(50);
 constexpr auto kServoTime = std::chrono::seconds(5);
+constexpr auto kSettles = std::chrono::seconds(1);  ///< an ordered move shows as running by then, an ended one stands
 
 std::atomic<bool> interrupted = false;
 extern "C" void interrupt_move(int) { interrupted = true; }
@@ -87,6 +88,13 @@ double expected_s(const DirectMove& move, double way, double turn) {
   constexpr double kSlowestAxis_deg_s = 100;  // at 100 %
   if (move.kind == DirectMove::Kind::joint) return 180 / (kSlowestAxis_deg_s * move.speed / 100);
   return move.turning ? turn / move.speed : way / move.speed;
+}
+
+/// Whether the arm went as far and turned as much as it was ordered to.
+bool arrived(const CartesianPosition& from, const CartesianPosition& at, double way, double turn) {
+  constexpr double kNear_mm = 0.5, kNear_deg = 0.2;
+  return std::abs(way_mm(from, at) - way) < kNear_mm &&
+         std::abs(turn_deg(from, at) - std::min(turn, std::abs(360 - turn))) < kNear_deg;
 }
 
 }  // namespace
@@ -159,6 +167,8 @@ core::Result<Moved> move_and_watch(ControllerLink& link, const DirectMove& move,
   const HoldOnSignals signals;
   if (auto on = servo_on(link); !on) return core::forward(on);
   if (interrupted) return tl::unexpected(problem(link, "interrupted before anything was ordered"));
+  const auto from = link.read_position(robot::kBaseFrame);
+  if (!from) return tl::unexpected(from.error());
   const auto start = WallClock::now();
   if (auto ordered = link.move(move); !ordered) {
     if (ordered.error().code != ErrorCode::link && ordered.error().code != ErrorCode::timeout)
@@ -166,20 +176,26 @@ core::Result<Moved> move_and_watch(ControllerLink& link, const DirectMove& move,
     return hold_and_tell(link, std::move(ordered.error()));  // nobody knows whether it moves
   }
   const auto limit = start + std::chrono::milliseconds(std::lround(1000 * (5 + 2 * expected_s(move, way, turn))));
-  for (;;) {
+  for (auto ran = start;;) {
     if (interrupted) return hold_and_tell(link, problem(link, "interrupted"));
     auto state = link.read_status();
     if (!state) return hold_and_tell(link, std::move(state.error()));
     if (const auto found = robot::hindrances(*state); !found.empty())
       return hold_and_tell(link, problem(link, "stopped: " + found.front().what));
     if (!state->servo) return hold_and_tell(link, problem(link, "stopped: servo power went off"));
-    if (!state->running) break;
+    if (!state->running) {
+      auto at = link.read_position(robot::kBaseFrame);
+      if (!at) return hold_and_tell(link, std::move(at.error()));
+      if (arrived(*from, *at, way, turn))
+        return Moved{*at, std::chrono::duration<double>(WallClock::now() - start).count()};
+      if (WallClock::now() > ran + kSettles)
+        return hold_and_tell(link, problem(link, "stopped after " + mm(way_mm(*from, *at)) + " of " + mm(way)));
+    } else {
+      ran = WallClock::now();
+    }
     if (WallClock::now() > limit) return hold_and_tell(link, problem(link, "takes longer than it can"));
     std::this_thread::sleep_for(kPoll);
   }
-  auto at = link.read_position(robot::kBaseFrame);
-  if (!at) return core::forward(at);
-  return Moved{*at, std::chrono::duration<double>(WallClock::now() - start).count()};
 }
 
 }  // namespace pickcell::cli
