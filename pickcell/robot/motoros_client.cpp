@@ -154,9 +154,22 @@ core::Result<MotoFrame> MotoRosClient::exchange(Port& port, const MotoFrame& req
   return tl::unexpected(trail_.onto(std::move(answer.error())));
 }
 
+/// Nothing waits to be read before anything was asked. What does is late or doubled, and would be taken for the answer
+/// to the next question: those of the I/O port carry no number.
+bool MotoRosClient::quiet(Port& port) {
+  const auto stray = frame(port, std::chrono::steady_clock::now());
+  if (stray) remember('<', *stray);
+  return !stray && stray.error().code == ErrorCode::timeout && port.splitter->pending() == 0;
+}
+
 core::Result<MotoReply> MotoRosClient::ask(const MotoFrame& request, const std::string& what,
                                            std::chrono::milliseconds timeout) {
   if (!connected()) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  if (!quiet(motion_)) {
+    motion_ = {};
+    return tl::unexpected(trail_.onto(
+        {ErrorCode::link, peer() + ' ' + what, "out of step: lost, or answered unasked", "connect again", {}}));
+  }
   auto answer = exchange(motion_, request, moto::kMotionReply, timeout);
   if (!answer) {
     answer.error().what += ' ' + what;
@@ -290,6 +303,7 @@ core::Result<MotoRosClient::Taken> MotoRosClient::send_point(const MotoTrajector
 
 core::Result<MotoFrame> MotoRosClient::io(const MotoFrame& request) {
   if (!order_) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  if (io_.link && !quiet(io_)) io_ = {};  // nothing was asked yet: a new connection begins anew
   if (!io_.link) {
     if (auto opened = open(io_, kIoOffset); !opened) return core::forward(opened);
   }
