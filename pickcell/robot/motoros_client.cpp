@@ -1,6 +1,8 @@
 #include "pickcell/robot/motoros_client.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "pickcell/robot/motoros_fault.hpp"
@@ -113,6 +115,9 @@ core::Result<MotoRosState> MotoRosClient::fresh_pair() {
     if (next->type == moto::kFeedback) {
       auto parsed = parse_moto_feedback(*next);
       if (!parsed) return core::forward(parsed);
+      if (!std::ranges::all_of(parsed->position, [](float rad) { return std::isfinite(rad); }))
+        return core::failure(ErrorCode::link, peer(), "the position it tells is no number",
+                             "check that the address is a MotoROS controller");
       if (parsed->group == 0) feedback = *parsed;
     } else if (next->type == moto::kRobotStatus && feedback) {
       auto status = parse_moto_status(*next);
