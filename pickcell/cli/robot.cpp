@@ -140,7 +140,11 @@ core::Result<Answer> hold(robot::ControllerLink& link, const Options&) {
     return tl::unexpected(std::move(error));
   }
   auto state = link.read_status();
-  if (!state) return core::forward(state);
+  if (!state) {
+    core::Error error = state.error();
+    error.why = "HOLD was taken, but the state after it cannot be read: " + error.why;
+    return tl::unexpected(std::move(error));
+  }
   return Answer{
       Json::object().set("stopped", true).set("held", state->held()),
       state->held()
