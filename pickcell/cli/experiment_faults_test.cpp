@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <numeric>
+
 namespace pickcell::cli {
 namespace {
 
@@ -24,6 +26,8 @@ TEST(FaultSoak, NothingTwiceNothingLostNoForbiddenMotionEveryStopExplained) {
   EXPECT_EQ(report->stops_explained, report->stops);
   EXPECT_GE(report->parts, 180);
   EXPECT_EQ(report->done + report->refused + report->unknown, report->parts);
+  EXPECT_EQ(std::accumulate(report->unknown_after.begin(), report->unknown_after.end(), 0), report->unknown);
+  EXPECT_EQ(report->unknown_untouched + report->unknown_in_between + report->unknown_placed, report->unknown);
   // It was no walk in the park.
   EXPECT_GT(report->stops, 30);
   EXPECT_GT(report->pc_starts, 10);

@@ -134,9 +134,17 @@ core::Result<Answer> job(robot::ControllerLink& link, const Options& o) {
 }
 
 core::Result<Answer> hold(robot::ControllerLink& link, const Options&) {
-  if (auto held = link.hold(true); !held) return core::forward(held);
+  if (auto held = link.hold(true); !held) {
+    core::Error error = held.error();
+    error.remedy = "the arm may go on: use HOLD or the emergency stop at the pendant; " + error.remedy;
+    return tl::unexpected(std::move(error));
+  }
   auto state = link.read_status();
-  if (!state) return core::forward(state);
+  if (!state) {
+    core::Error error = state.error();
+    error.why = "HOLD was taken, but the state after it cannot be read: " + error.why;
+    return tl::unexpected(std::move(error));
+  }
   return Answer{
       Json::object().set("stopped", true).set("held", state->held()),
       state->held()

@@ -1,6 +1,8 @@
 #include "pickcell/robot/motoros_client.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "pickcell/robot/motoros_fault.hpp"
@@ -113,6 +115,9 @@ core::Result<MotoRosState> MotoRosClient::fresh_pair() {
     if (next->type == moto::kFeedback) {
       auto parsed = parse_moto_feedback(*next);
       if (!parsed) return core::forward(parsed);
+      if (!std::ranges::all_of(parsed->position, [](float rad) { return std::isfinite(rad); }))
+        return core::failure(ErrorCode::link, peer(), "the position it tells is no number",
+                             "check that the address is a MotoROS controller");
       if (parsed->group == 0) feedback = *parsed;
     } else if (next->type == moto::kRobotStatus && feedback) {
       auto status = parse_moto_status(*next);
@@ -154,9 +159,22 @@ core::Result<MotoFrame> MotoRosClient::exchange(Port& port, const MotoFrame& req
   return tl::unexpected(trail_.onto(std::move(answer.error())));
 }
 
+/// Nothing waits to be read before anything was asked. What does is late or doubled, and would be taken for the answer
+/// to the next question: those of the I/O port carry no number.
+bool MotoRosClient::quiet(Port& port) {
+  const auto stray = frame(port, std::chrono::steady_clock::now());
+  if (stray) remember('<', *stray);
+  return !stray && stray.error().code == ErrorCode::timeout && port.splitter->pending() == 0;
+}
+
 core::Result<MotoReply> MotoRosClient::ask(const MotoFrame& request, const std::string& what,
                                            std::chrono::milliseconds timeout) {
   if (!connected()) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  if (!quiet(motion_)) {
+    motion_ = {};
+    return tl::unexpected(trail_.onto(
+        {ErrorCode::link, peer() + ' ' + what, "out of step: lost, or answered unasked", "connect again", {}}));
+  }
   auto answer = exchange(motion_, request, moto::kMotionReply, timeout);
   if (!answer) {
     answer.error().what += ' ' + what;
@@ -290,6 +308,7 @@ core::Result<MotoRosClient::Taken> MotoRosClient::send_point(const MotoTrajector
 
 core::Result<MotoFrame> MotoRosClient::io(const MotoFrame& request) {
   if (!order_) return core::failure(ErrorCode::link, peer(), "not connected", "connect first");
+  if (io_.link && !quiet(io_)) io_ = {};  // nothing was asked yet: a new connection begins anew
   if (!io_.link) {
     if (auto opened = open(io_, kIoOffset); !opened) return core::forward(opened);
   }

@@ -88,6 +88,7 @@ class MotoRosClient {
   [[nodiscard]] core::Status open(Port& port, int offset);
   [[nodiscard]] core::Status open_state();
   [[nodiscard]] core::Result<MotoFrame> frame(Port& port, WallDeadline deadline);
+  [[nodiscard]] bool quiet(Port& port);
   [[nodiscard]] core::Result<MotoRosState> fresh_pair();
   [[nodiscard]] core::Status stop_on_this_connection();
   /// One request, one reply of the type; closes the port when that does not come.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pickcell/robot/motoros_client.hpp"
+#include "pickcell/robot/motoros_fault.hpp"
 #include "pickcell/robot/motoros_link.hpp"
 #include "pickcell/robot/motoros_move.hpp"
 #include "pickcell/robot/tcp80_client.hpp"
@@ -245,6 +246,53 @@ TEST_P(ClientAndController, InputsOutputsAndRegisters) {
   EXPECT_THAT(client_->write_bit(10, true).error().line(), HasSubstr("1002"));
   EXPECT_THAT(client_->read_register(1000).error().line(), HasSubstr("1001"));
   EXPECT_EQ(client_->read_register(1000).error().code, core::ErrorCode::refused);
+}
+
+/// Answers of the I/O port carry no number: one that comes twice must not be taken for that of the next question.
+TEST_P(ClientAndController, ADoubledAnswerIsNotTakenForTheNext) {
+  ASSERT_TRUE(client_->connect());
+  ASSERT_TRUE(client_->write_group(2701, 0x81));
+  ASSERT_TRUE(client_->write_group(2702, 0x42));
+  for (int n = 1; n <= 3; ++n) {
+    sim::FaultEvent event;
+    event.fault = sim::Fault::twice;
+    event.after_commands = n;
+    controller_->follow({event});
+    EXPECT_EQ(client_->read_group(2701).value(), 0x81);
+    EXPECT_EQ(client_->read_group(2702).value(), 0x42);
+    EXPECT_EQ(client_->read_group(2701).value(), 0x81);
+    EXPECT_EQ(client_->read_group(2702).value(), 0x42);
+  }
+}
+
+/// Hold, key, emergency stop, alarm and servo power show in the very next pair, 25 ms away, and are named.
+TEST_P(ClientAndController, AStopShowsInTheNextState) {
+  ASSERT_TRUE(client_->connect());
+  using State = sim::ControllerState;
+  const struct {
+    const char* words;
+    void (*done)(State&);
+  } stops[] = {{"hold", [](State& s) { s.hold_pendant = true; }},
+               {"play", [](State& s) { s.turn_key_to_teach(); }},
+               {"REMOTE", [](State& s) { s.remote = false; }},
+               {"mergency stop", [](State& s) { s.press_emergency_stop(); }},
+               {"alarm", [](State& s) { s.raise_alarm({4107, 0, ""}); }},
+               {"servo", [](State& s) { s.servo = false; }}};
+  for (const auto& stop : stops) {
+    controller_->with_state([](State& s) {
+      s.reset_at_pendant(), s.release_emergency_stop();
+      if (!s.play) s.turn_key_to_remote();
+      s.remote = true, s.hold_pendant = false;
+    });
+    ASSERT_TRUE(client_->start_trajectory_mode()) << stop.words;
+    ASSERT_EQ(client_->read_state()->status.motion_possible, 1) << stop.words;
+    controller_->with_state(stop.done);
+    EXPECT_EQ(client_->read_state()->status.motion_possible, 0) << stop.words;
+    EXPECT_FALSE(client_->ready().value());
+    const robot::MotoReply why = client_->last_reply();
+    const robot::MotoFault fault = robot::moto_fault(why.result, why.subcode);
+    EXPECT_THAT(fault.meaning + "; " + fault.remedy, HasSubstr(stop.words));
+  }
 }
 
 TEST_P(ClientAndController, ALineKeepsTheToolOnItsWay) {
