@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Whether two builds of pickcell give the same answers on a set of pictures (bench's format): ./check --preset arm64.
 
-compare_answers.py SET PROGRAM OTHER...   where OTHER is a program with its words in front, one argument each:
+compare_answers.py SET PROGRAM OTHER... [--every N]   where OTHER is a program with its words in front, one argument each:
     'qemu-aarch64 -cpu max build/arm64/pickcell'
+With --every only each N-th picture of the set is searched.
 Models are taught by PROGRAM and read by all; each other program also teaches one part itself. Exits 1 unless every
 place agrees within 0.01 px, every angle within 0.01 degrees and every scale within 0.0001.
 """
+import argparse
 import json
 import pathlib
 import subprocess
@@ -44,28 +46,36 @@ class Worst:
                 self.breaches.append(f"{image}: {px:.4f} px, {deg:.4f} degrees, scale {scale:.5f} apart")
 
 
-def teach(program, template, folder, where):
+def teach(program, template, folder, scale, where):
     model = where / (template["id"].replace("/", "_") + ".pcm")
     mask = ["--mask", folder / template["mask"]] if template.get("mask") else []
-    run(program, "teach", folder / template["file"], "-o", model, "--scale", "0.9,1.1", *mask, "--json")
+    run(program, "teach", folder / template["file"], "-o", model, "--scale", scale, *mask, "--json")
     return model
 
 
 def main():
-    folder, ours = pathlib.Path(sys.argv[1]), [sys.argv[2]]
-    others = [words.split() for words in sys.argv[3:]]
+    words = argparse.ArgumentParser(description="Whether builds of pickcell give the same answers on a set.")
+    words.add_argument("set", type=pathlib.Path)
+    words.add_argument("program")
+    words.add_argument("others", nargs="+", metavar="OTHER")
+    words.add_argument("--every", type=int, default=1)
+    options = words.parse_args()
+    folder, ours = options.set, [options.program]
+    others = [other.split() for other in options.others]
     truth = json.loads((folder / "truth.json").read_text())
+    images = truth["images"][::options.every]
+    scale = ",".join(map(str, truth.get("scale_range", (0.9, 1.1))))
     templates = {t["id"]: t for t in truth["templates"]}
     failed = False
     with tempfile.TemporaryDirectory() as scratch:
         where = pathlib.Path(scratch)
-        used = list(dict.fromkeys(image["template"] for image in truth["images"]))
-        models = {name: teach(ours, templates[name], folder, where) for name in used}
-        searches = [(models[i["template"]], folder / i["file"], 20 if "instances" in i else 1) for i in truth["images"]]
+        used = list(dict.fromkeys(image["template"] for image in images))
+        models = {name: teach(ours, templates[name], folder, scale, where) for name in used}
+        searches = [(models[i["template"]], folder / i["file"], 20 if "instances" in i else 1) for i in images]
         answers = [run(ours, "match", m, i, "--max", n, "--threads", 1, "--json")[0] for m, i, n in searches]
         for other in others:
             (where / "own").mkdir(exist_ok=True)
-            own = teach(other, templates[used[0]], folder, where / "own")
+            own = teach(other, templates[used[0]], folder, scale, where / "own")
             worst = Worst()
             for number, (model, image, count) in enumerate(searches):
                 # The part that the other program taught itself must be found alike.

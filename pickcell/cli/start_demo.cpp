@@ -127,7 +127,7 @@ std::string cell_toml(const DemoOptions& options, const sim::WorldSettings& worl
       "[camera]\nsource = \"sim\"\n\n"
       "[robot]\nlink = \"sim\"\nmodel = \"gp7\"\nframe = 0\ntool = 1\nallow_motion = true\n\n"
       "[calibration]\ncamera = \"camera.toml\"\nplane = \"plane.toml\"\n\n"
-      "[limits]\nplace_mm = 1.0\nplace_deg = 1.0\n"
+      "[limits]\nplace_mm = 1.0\nplace_deg = 1.0\ngripper_length_mm = 60\ngripper_width_mm = 20\n"
       "box_min_mm = [100, -550, -50]\nbox_max_mm = [750, 550, 350]\n\n"
       "[feed]\nkind = \"indexed\"\nadvance_contact = 27010\nmoving_contact = 11\n\n"
       "[server]\nlisten = \"127.0.0.1:8080\"\n\n";
