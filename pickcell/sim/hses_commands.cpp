@@ -27,7 +27,7 @@ using robot::HsesService;
 using robot::HsesWriter;
 
 constexpr std::uint8_t kStatusRefused = 0x1F;
-constexpr Refused kBadGroup = 0xB008, kBadSpeed = 0xB009, kNotLoadable = 0x2120;
+constexpr Refused kBadGroup = 0xB008, kBadSpeed = 0xB009;
 constexpr int kMostAlarms = 4, kMostHistory = 100, kTasks = 16;
 
 /// 2010 becomes 0x2010.
