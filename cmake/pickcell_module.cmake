@@ -92,8 +92,11 @@ function(pickcell_test NAME)
     set(alone TRUE)  # a camera sends whether anybody has time for it or not
   endif()
   include(GoogleTest)
+  # Files of tests stay apart: two builds on one machine would delete each other's journals.
+  set(folder ${CMAKE_BINARY_DIR}/tmp/${NAME})
+  file(MAKE_DIRECTORY ${folder})
   gtest_discover_tests(${NAME} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} RUN_SERIAL ${alone} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    PROPERTIES ENVIRONMENT TEST_TMPDIR=${folder} LABELS ${T_LABEL} TIMEOUT ${T_TIMEOUT_S} RUN_SERIAL ${alone} SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
 endfunction()
 
 function(pickcell_warnings TARGET)
