@@ -79,7 +79,13 @@ Selection::Entry Selection::entry(const BestModel& model, int model_index, const
 }
 
 void Selection::add(const BestModel& model, int model_index, Followed followed) {
-  for (const Hypothesis& h : followed.found) entries_.push_back(entry(model, model_index, h));
+  std::size_t scored = 0;
+  for (const Hypothesis& h : followed.found) {
+    if (scored++ < kContenders || !budget_.spent())
+      entries_.push_back(entry(model, model_index, h));
+    else
+      followed.dropped.push_back({h, RejectReason::budget, Stage::final});
+  }
   if (!options_.explain) return;
   for (const Dropped& d : followed.dropped) {  // with the score for which it was dropped, of a coarser level
     turned_.push_back({entry(model, model_index, d.hypothesis), d.reason, d.stage});
@@ -153,7 +159,8 @@ const RejectReason* Selection::fault(const Entry& e) const {
   static constexpr RejectReason kScore = RejectReason::score, kBorder = RejectReason::border,
                                 kScale = RejectReason::scale, kContrast = RejectReason::contrast,
                                 kLimit = RejectReason::limit;
-  if (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain) return &kContrast;
+  const bool flat = e.model->levels.front().grey.flat();
+  if (!flat && (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain)) return &kContrast;
   if (e.h.inside < settings_.min_visible) return &kBorder;
   if (e.h.place.scale < e.model->scale.lo * (1 - kScaleSlack) ||
       e.h.place.scale > e.model->scale.hi * (1 + kScaleSlack))
