@@ -15,8 +15,8 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kAngleSlack_deg = 3;  // a result may lie this much outside the asked-for range
-constexpr double kScaleSlack = 0.03;
-constexpr double kLeastContrast = 2;  // grey values
+constexpr double kScaleSlack = 0.051;  // as far as refinement goes
+constexpr double kLeastContrast = 2;   // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
