@@ -74,23 +74,21 @@ double Selection::score_of(const BestModel& model, const Hypothesis& h) {
   return match_score(scene_.level(0), model.levels[0], h, scratch_);
 }
 
-Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) {
-  return {&model, model_index, h, score_of(model, h), model.outline(h.place), std::pmr::vector<double>(memory_)};
+Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h, double score) {
+  return {&model, model_index, h, score, model.outline(h.place), std::pmr::vector<double>(memory_)};
 }
 
 void Selection::add(const BestModel& model, int model_index, Followed followed) {
   std::size_t scored = 0;
   for (const Hypothesis& h : followed.found) {
     if (scored++ < kContenders || !budget_.spent())
-      entries_.push_back(entry(model, model_index, h));
+      entries_.push_back(entry(model, model_index, h, score_of(model, h)));
     else
       followed.dropped.push_back({h, RejectReason::budget, Stage::final});
   }
   if (!options_.explain) return;
-  for (const Dropped& d : followed.dropped) {  // with the score for which it was dropped, of a coarser level
-    turned_.push_back({entry(model, model_index, d.hypothesis), d.reason, d.stage});
-    turned_.back().entry.score = d.hypothesis.score;
-  }
+  for (const Dropped& d : followed.dropped)  // with the score for which it was dropped, of a coarser level
+    turned_.push_back({entry(model, model_index, d.hypothesis, d.hypothesis.score), d.reason, d.stage});
 }
 
 void Selection::add_at_border(const BestModel& model, int model_index, const Followed& followed) {
@@ -99,7 +97,7 @@ void Selection::add_at_border(const BestModel& model, int model_index, const Fol
       return o.model == &model && same_place(o.h.place, h.place, model.side_px);
     });
     if (known || h.inside >= settings_.min_visible) continue;
-    Entry e = entry(model, model_index, h);
+    Entry e = entry(model, model_index, h, score_of(model, h));
     const RejectReason* const reason = fault(e);
     if (reason && *reason == RejectReason::border && e.score >= limit_of(e)) turn_down(std::move(e), *reason);
   }
