@@ -24,6 +24,7 @@ Vision::Vision(std::unique_ptr<matches::Engine> engine, std::vector<matches::Mod
     searched_.push_back(&model);
     locators_.emplace_back(model);
   }
+  engine_->prepare(searched_, search_options());
   fixed_view_.lens = settings_.camera.lens;
   fixed_view_.T_base_camera = settings_.plane.T_base_camera;
   fixed_view_.T_base_plane = settings_.plane.T_base_plane;
@@ -60,15 +61,20 @@ void Vision::judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& fra
   sight.parts.push_back(std::move(*pose));
 }
 
-core::Result<Sight> Vision::look(const frames::Frame& frame, std::uint64_t first_id) {
-  Sight sight;
-  const auto start = std::chrono::steady_clock::now();
-  pyramid_.build(frame.picture->view());
+matches::SearchOptions Vision::search_options() const {
   matches::SearchOptions options;
   options.max_matches = settings_.max_matches;
   options.threads = settings_.threads;
   options.explain = true;
-  if (auto found = engine_->find_into(pyramid_, searched_, options, found_); !found) return core::forward(found);
+  return options;
+}
+
+core::Result<Sight> Vision::look(const frames::Frame& frame, std::uint64_t first_id) {
+  Sight sight;
+  const auto start = std::chrono::steady_clock::now();
+  pyramid_.build(frame.picture->view());
+  if (auto found = engine_->find_into(pyramid_, searched_, search_options(), found_); !found)
+    return core::forward(found);
   sight.match_ms = ms_since(start);
 
   const auto view = view_of(frame);

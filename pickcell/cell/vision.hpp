@@ -62,6 +62,7 @@ class Vision {
   [[nodiscard]] bool rides_on_arm() const { return settings_.handeye && settings_.handeye->T_flange_camera; }
 
  private:
+  [[nodiscard]] matches::SearchOptions search_options() const;
   [[nodiscard]] core::Result<poses::View> view_of(const frames::Frame& frame) const;
   void judge_one(Sight& sight, Sight::Seen& seen, const frames::Frame& frame,
                  const core::Result<poses::View>& view) const;

@@ -15,7 +15,10 @@ namespace {
 
 constexpr int kMostMatches = 200;
 constexpr int kPerLocation = 5;         // of several parts: candidates for one of them
-constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at
+constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at; where a part was found so
+constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
+constexpr float kLower = 0.75f;         // this times the weakest candidate that became a part
+constexpr int kMostRounds = 4;
 constexpr int kMostAtBorder = 8;        // parts that are told to be too far outside
 constexpr double kForget = 0.995;       // of the finishing time, per call
 constexpr double kSpread = 1.3;         // the next call may take a little longer
@@ -64,6 +67,14 @@ CoarseRequest::Box anchor_box(const SearchOptions::Roi& r, const BestModel& m) {
   return {r.x - slack, r.y - slack, r.x + r.w - 1 + slack, r.y + r.h - 1 + slack};
 }
 
+/// The lowest coarse score from which a part was found; 1 if there is none.
+float weakest_candidate(const Followed& all, double least_score) {
+  float weakest = 1;
+  for (const Hypothesis& h : all.found)
+    if (h.score >= least_score) weakest = std::min(weakest, h.coarse);
+  return weakest;
+}
+
 /// Adds what another pass found; of two finds of one place the better stays.
 void merge(Followed more, const BestModel& model, Followed& all) {
   for (const Hypothesis& h : more.found) {
@@ -92,18 +103,12 @@ BestModel& BestEngine::prepared(const Model& model, Range scale) {
 }
 
 std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& model,
-                                                           const std::vector<CoarseTemplates>& bands, int count,
-                                                           bool border, const SearchOptions& options,
+                                                           const std::vector<CoarseTemplates>& bands,
+                                                           const CoarseRequest& how, const SearchOptions& options,
                                                            WorkBudget& budget, FindResult& result) {
-  CoarseRequest request;
+  CoarseRequest request = how;
   request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
   if (options.roi) request.box = anchor_box(*options.roi, model);
-  request.candidates = count;
-  request.border = border;
-  if (options.max_matches > 1) {
-    request.per_location = kPerLocation;
-    request.relative_limit = border ? kRelativeLimit / 2 : kRelativeLimit;  // about half of the part is there
-  }
   request.threads = static_cast<int>(scratch_.size());
   std::pmr::vector<Found> all(&arena_);
   all.reserve(bands.size());
@@ -114,7 +119,7 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
     all.push_back({&templates, std::pmr::vector<CoarseCandidate>(&arena_)});
     coarse_.run(top, templates, request, budget, all.back().list);
     StageReport report;
-    report.stage = border ? "border" : "coarse";
+    report.stage = request.border ? "border" : "coarse";
     report.population = coarse_.peaks();
     report.survivors = static_cast<std::int64_t>(all.back().list.size());
     report.ms = thread_cpu_ms() - start_ms;
@@ -173,7 +178,6 @@ void BestEngine::prepare(std::span<const Model* const> models, const SearchOptio
 }
 
 Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
-  const bool several = options.max_matches > 1;
   Followed all(&arena_);
   const auto enough = [&] { return budget.spent() || sure(all, model, options); };
   const auto add = [&](const Found& f, std::size_t first, std::size_t count, const PassSettings& pass) {
@@ -181,26 +185,24 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     const auto part = list.first(std::min(count, list.size()));
     merge(descend(part, model, *f.templates, pass, options, budget, result), model, all);
   };
+  CoarseRequest how;
   if (settings_.effort != Effort::thorough) {
-    const int most = std::max(settings_.quick.candidates, settings_.wide.candidates) +
-                     (several ? kPerLocation * options.max_matches : 0);  // no part pushes out another
-    const auto few = static_cast<std::size_t>(several ? most : settings_.quick.candidates);
-    if (several) prepare_wide(model);
-    const std::pmr::vector<Found> bands =
-        candidates(model, several ? model.wide : model.quick, most, false, options, budget, result);
+    how.candidates = std::max(settings_.quick.candidates, settings_.wide.candidates);
+    const auto few = static_cast<std::size_t>(settings_.quick.candidates);
+    const std::pmr::vector<Found> bands = candidates(model, model.quick, how, options, budget, result);
     for (const Found& f : bands) {
-      add(f, 0, few, several ? settings_.wide : settings_.quick);
+      add(f, 0, few, settings_.quick);
       if (enough()) return all;
     }
-    if (several || settings_.effort == Effort::quick) return all;
+    if (settings_.effort == Effort::quick) return all;
     for (const Found& f : bands) {
       add(f, few, f.list.size(), settings_.wide);
       if (enough()) return all;
     }
   }
   prepare_thorough(model);
-  for (const Found& f :
-       candidates(model, model.thorough, settings_.thorough.candidates, false, options, budget, result)) {
+  how.candidates = settings_.thorough.candidates;
+  for (const Found& f : candidates(model, model.thorough, how, options, budget, result)) {
     add(f, 0, f.list.size(), settings_.thorough);
     if (enough()) return all;
   }
@@ -216,9 +218,45 @@ Followed BestEngine::search_border(BestModel& model, const SearchOptions& option
                                               : options.max_matches > 1 ? model.wide
                                                                         : model.quick;
   Followed all(&arena_);
-  for (const Found& f : candidates(model, bands, kPerLocation * kMostAtBorder, true, several, budget, result))
+  CoarseRequest how;
+  how.candidates = kPerLocation * kMostAtBorder;
+  how.per_location = kPerLocation;
+  how.relative_limit = kRelativeLimit / 2;  // about half of the part is there
+  how.border = true;
+  for (const Found& f : candidates(model, bands, how, several, budget, result))
     if (!budget.spent())
       merge(descend(f.list, model, *f.templates, settings_.quick, several, budget, result), model, all);
+  return all;
+}
+
+Followed BestEngine::search_several(BestModel& model, const SearchOptions& options, WorkBudget& budget,
+                                    FindResult& result) {
+  const bool thorough = settings_.effort == Effort::thorough;
+  thorough ? prepare_thorough(model) : prepare_wide(model);
+  const std::vector<CoarseTemplates>& top = thorough ? model.thorough : model.wide;
+  const PassSettings& pass = thorough ? settings_.thorough : settings_.wide;
+  CoarseRequest how;
+  // No part pushes out another.
+  how.candidates = std::max(settings_.quick.candidates, pass.candidates) + kPerLocation * options.max_matches;
+  how.per_location = kPerLocation;
+  how.relative_limit = kRelativeLimit;
+  Followed all(&arena_);
+  std::pmr::vector<std::size_t> done(top.size(), 0, &arena_);  // candidates of each band: a lower limit only adds some
+  for (int round = 0; round < kMostRounds; ++round) {
+    float best = 0;
+    for (const Found& f : candidates(model, top, how, options, budget, result)) {
+      if (f.list.empty()) continue;
+      best = std::max(best, f.list.front().score);
+      std::size_t& from = done[static_cast<std::size_t>(f.templates - top.data())];
+      const auto more = std::span(f.list).subspan(std::min(from, f.list.size()));
+      from = f.list.size();
+      if (!more.empty()) merge(descend(more, model, *f.templates, pass, options, budget, result), model, all);
+      if (budget.spent()) return all;
+    }
+    const float weakest = weakest_candidate(all, options.min_score.value_or(model.model->learnt.suggested_min_score));
+    if (weakest >= kNearLimit * how.relative_limit * best) break;
+    how.relative_limit = kLower * weakest / best;
+  }
   return all;
 }
 
@@ -257,7 +295,9 @@ core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const 
     BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
     if (auto ok = check_size(model, scene_.width(), scene_.height()); !ok) return core::forward(ok);
     if (i > 0 && budget.spent()) break;
-    selection.add(model, static_cast<int>(i), search(model, options, budget, result));
+    selection.add(model, static_cast<int>(i),
+                  options.max_matches > 1 ? search_several(model, options, budget, result)
+                                          : search(model, options, budget, result));
     if (options.explain && !budget.spent())
       selection.add_at_border(model, static_cast<int>(i), search_border(model, options, budget, result));
   }

@@ -55,8 +55,10 @@ class BestEngine final : public Engine {
   };
   /// Bands of the best candidates first. border: of parts that show too little for a match.
   [[nodiscard]] std::pmr::vector<Found> candidates(const BestModel& model, const std::vector<CoarseTemplates>& bands,
-                                                   int count, bool border, const SearchOptions& options,
+                                                   const CoarseRequest& how, const SearchOptions& options,
                                                    WorkBudget& budget, FindResult& result);
+  [[nodiscard]] Followed search_several(BestModel& model, const SearchOptions& options, WorkBudget& budget,
+                                        FindResult& result);
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
                                  const SearchOptions& options, WorkBudget& budget, FindResult& result);

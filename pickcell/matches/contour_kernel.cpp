@@ -176,6 +176,16 @@ void line_residuals_impl(const LineColumns& c, const float* movement, float* res
   }
 }
 
+void weigh_lines_impl(const float* residual, const float* found, float cut, int count, float* weight) {
+  const DF d;
+  const VF per_cut = hn::Set(d, 1 / cut), one = hn::Set(d, 1.f);
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const VF r = hn::Mul(hn::LoadU(d, residual + i), per_cut);
+    const VF u = hn::Max(hn::Zero(d), hn::NegMulAdd(r, r, one));
+    hn::StoreU(hn::Mul(hn::LoadU(d, found + i), hn::Mul(u, u)), d, weight + i);
+  }
+}
+
 }  // namespace pickcell::matches::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -186,6 +196,7 @@ HWY_EXPORT(find_edges_impl);
 HWY_EXPORT(make_lines_impl);
 HWY_EXPORT(sum_lines_impl);
 HWY_EXPORT(line_residuals_impl);
+HWY_EXPORT(weigh_lines_impl);
 
 void find_edges(image::ImageView picture, const ContourColumns& points, const LevelMap& map, float reach_px,
                 bool smooth, float* distance) {
@@ -200,6 +211,10 @@ void sum_lines(const LineColumns& lines, float (&sums)[14]) { HWY_DYNAMIC_DISPAT
 
 void line_residuals(const LineColumns& lines, const float (&movement)[4], float* residual) {
   HWY_DYNAMIC_DISPATCH(line_residuals_impl)(lines, movement, residual);
+}
+
+void weigh_lines(const float* residual, const float* found, float cut, int count, float* weight) {
+  HWY_DYNAMIC_DISPATCH(weigh_lines_impl)(residual, found, cut, count, weight);
 }
 
 }  // namespace pickcell::matches

@@ -57,4 +57,7 @@ void sum_lines(const LineColumns& lines, float (&sums)[14]);
 /// residual[i] = |distance - fit of the movement (dx, dy, turn, growth)|. Writes whole blocks.
 void line_residuals(const LineColumns& lines, const float (&movement)[4], float* residual);
 
+/// weight[i] = found[i] (1 - (residual[i] / cut)^2)^2, 0 beyond the cut. Writes whole blocks.
+void weigh_lines(const float* residual, const float* found, float cut, int count, float* weight);
+
 }  // namespace pickcell::matches

@@ -5,18 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pickcell/matches/histogram_median.hpp"
+
 namespace pickcell::matches {
 namespace {
 
 constexpr int kFewestObservations = 12;
 constexpr float kLeastSpread_px = 0.08f;
+constexpr float kBinsPerPixel = 64;   // residuals are at most some 3.5 pixels
 constexpr double kArrived_px = 0.02;  // of the rim: what a further iteration would change less than noise does
 
 /// Looks for edges from one place; the number found.
 int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
             ContourScratch& s) {
   const std::size_t room = points.x.size();
-  for (auto* column : {&s.distance, &s.found, &s.weight, &s.nx, &s.ny, &s.turn, &s.growth, &s.residual, &s.sorted})
+  for (auto* column : {&s.distance, &s.found, &s.weight, &s.nx, &s.ny, &s.turn, &s.growth, &s.residual})
     column->resize(room);
   find_edges(image, points.columns(), m, reach_px, smooth, s.distance.data());
   const int n =
@@ -52,18 +55,12 @@ void reweigh(const LineColumns& lines, const Movement& m, ContourScratch& s) {
   const float movement[4] = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2]),
                              static_cast<float>(m[3])};
   line_residuals(lines, movement, s.residual.data());
-  std::size_t n = 0;
-  const auto count = static_cast<std::size_t>(lines.count);
-  for (std::size_t i = 0; i < count; ++i)
-    if (s.found[i] > 0) s.sorted[n++] = s.residual[i];
-  if (n == 0) return;
-  const auto middle = s.sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);
-  std::nth_element(s.sorted.begin(), middle, s.sorted.begin() + static_cast<std::ptrdiff_t>(n));
-  const float cut = 3 * std::max(kLeastSpread_px, 1.4826f * *middle);
-  for (std::size_t i = 0; i < count; ++i) {
-    const float u = 1 - s.residual[i] / cut * (s.residual[i] / cut);
-    s.weight[i] = u > 0 ? s.found[i] * u * u : 0.f;
-  }
+  HistogramMedian<256> sizes(kBinsPerPixel);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(lines.count); ++i)
+    if (s.found[i] > 0) sizes.add(s.residual[i]);
+  if (sizes.count() == 0) return;
+  const float cut = 3 * std::max(kLeastSpread_px, 1.4826f * sizes.median());
+  weigh_lines(s.residual.data(), s.found.data(), cut, lines.count, s.weight.data());
 }
 
 std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch& s) {
@@ -116,7 +113,9 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
         std::hypot(s.x_px - start.x_px, s.y_px - start.y_px) > 4 * k + 4 || std::abs(s.scale / start.scale - 1) > 0.12;
     if (ran_away) return {};
     const double rim_px = static_cast<double>(points.radius) * std::hypot((*m)[2], (*m)[3]);
-    if (std::hypot((*m)[0], (*m)[1]) + rim_px < kArrived_px) break;
+    const double moved_px = std::hypot((*m)[0], (*m)[1]) + rim_px;
+    if (i == 0 && moved_px < search.least_px) return {};
+    if (moved_px < kArrived_px) break;
   }
   return s;
 }

@@ -23,17 +23,19 @@ struct ContourScratch {
   std::vector<float> distance;
   std::vector<float> found, weight;
   std::vector<float> nx, ny, turn, growth;
-  std::vector<float> residual, sorted;
+  std::vector<float> residual;
 };
 
 struct ContourSearch {
   int iterations = 2;      ///< at most
   float radius_px = 2.5f;  ///< of the first iteration, pixels of the level; shrinks by 0.7 to 1.5
   bool smooth = false;     ///< average along the tangent (level 0, where noise is)
+  double least_px = 0;     ///< a first step smaller than this, at the rim, is not worth taking: none
 };
 
 /// Iterated: from each contour point look along the normal for the strongest edge, then fit a similarity to the
-/// distances (Tukey's biweight). None when too few points find an edge or the place runs away.
+/// distances (Tukey's biweight). None when too few points find an edge, the place runs
+/// away or hardly moves.
 [[nodiscard]] std::optional<Similarity> fit_contours(image::ImageView scene_level, int level,
                                                      const ContourPoints& points, const Similarity& start,
                                                      const ContourSearch& search, ContourScratch& scratch);

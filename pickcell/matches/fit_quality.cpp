@@ -16,7 +16,7 @@ constexpr double kLeastGain = 0.02;
 WeightedSolution robust_solution(const GreyPoints& p, WeightedSamples& samples) {
   WeightedSolution s = solve_weighted(p, samples);
   for (int round = 0; round < 2 && s.ok; ++round) {
-    weigh_by_residual(p, s, 4 * robust_noise(p, samples, s), samples);
+    weigh_by_residual(p, 4 * robust_noise(p, s, samples), samples);
     const WeightedSolution better = solve_weighted(p, samples);
     if (better.ok) s = better;
   }
@@ -31,7 +31,7 @@ FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const LevelMap
   const WeightedSolution s = robust_solution(p, samples);
   if (!s.ok) return q;
   const double contrast = std::abs(s.gain) * std::sqrt(p.energy / p.size());
-  const double noise = static_cast<double>(robust_noise(p, samples, s));
+  const double noise = static_cast<double>(robust_noise(p, s, samples));
   const auto limit = static_cast<float>(std::max(kAgreeSigmas * noise, kAgreeContrast * contrast));
   int agree = 0;
   double square = 0;

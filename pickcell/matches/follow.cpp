@@ -14,6 +14,7 @@ constexpr int kPerLocation = 4;
 constexpr double kTopSlack = 0.3;  // of the score: what the levels below may still add
 constexpr double kMidSlack = 0.2;
 constexpr double kContender = 0.1;  // of the score: what the last polish may change
+constexpr int kMostContenders = 6;  // of a single search
 
 constexpr int kTopSteps = 4;  // Gauss-Newton steps at the level where a candidate is first refined ...
 constexpr int kMidSteps = 2;  // ... and at those below, where it is nearly there
@@ -37,6 +38,7 @@ class Follower {
       Hypothesis h;
       h.place = c.place;
       h.score = static_cast<double>(c.score);
+      h.coarse = c.score;
       list.push_back(h);
     }
     for (int l = from_level; l >= 1; --l) {
@@ -58,15 +60,17 @@ class Follower {
     const LevelModel& model = model_.levels[static_cast<std::size_t>(level)];
     std::pmr::vector<char> done(end - begin, 0, memory_);
     parallel_for(static_cast<int>(end - begin), request_.threads, [&](int i, int worker) {
-      // The first one is always done: a spent budget still gives the best answer there is.
-      if (i > 0 && budget_.spent()) return;
+      // The very first is always done: a spent budget still gives the best answer there is.
+      if (begin + static_cast<std::size_t>(i) > 0 && budget_.spent()) return;
       Hypothesis& h = list[begin + static_cast<std::size_t>(i)];
       RefineScratch& scratch = scratch_[static_cast<std::size_t>(worker)];
+      const float coarse = h.coarse;
       if (first)
         h = climb(scene, model, h.place, model_.scale, kTopSteps, scratch);
       else if (level > 0)
         h = climb(scene, model, h.place, model_.scale, kMidSteps, scratch);
       if (level == 0) h = settle(scene, model, h.place, model_.scale, scratch);
+      h.coarse = coarse;
       done[static_cast<std::size_t>(i)] = 1;
     });
     report(level, list, begin, end, thread_cpu_ms() - start_ms);
@@ -109,13 +113,14 @@ class Follower {
     polish_best(list);
   }
 
-  /// The contenders for a match; the order may change.
+  /// The contenders for a match, of a list with the best first; the order may change.
   void polish_best(std::pmr::vector<Hypothesis>& list) {
     if (list.empty()) return;
     const double least = (request_.several ? request_.floor : list.front().score) - kContender;
     const SceneLevel scene = scene_.level(0);
     const LevelModel& model = model_.levels[0];
-    parallel_for(static_cast<int>(list.size()), request_.threads, [&](int i, int worker) {
+    const int most = request_.several ? static_cast<int>(list.size()) : kMostContenders;
+    parallel_for(std::min(most, static_cast<int>(list.size())), request_.threads, [&](int i, int worker) {
       Hypothesis& h = list[static_cast<std::size_t>(i)];
       if (h.score >= least && !budget_.spent())
         h = polish(scene, model, h, model_.scale, scratch_[static_cast<std::size_t>(worker)]);

@@ -85,11 +85,9 @@ GreyFit fit_grey(image::ImageView level, const GreyPoints& p, const LevelMap& m,
 GreyFit fit_grey_robust(image::ImageView level, const GreyPoints& p, const LevelMap& m, WeightedSamples& scratch) {
   GreyFit fit;
   fit.inside = read_samples(level, p, m, scratch);
-  correlate(p, scratch, fit);
-  if (fit.ncc <= -1) return fit;
   WeightedSolution s = solve_weighted(p, scratch);
   for (int round = 0; round < kReweighings && s.ok; ++round) {
-    weigh_by_residual(p, s, kOutlierSigmas * robust_noise(p, scratch, s), scratch);
+    weigh_by_residual(p, kOutlierSigmas * robust_noise(p, s, scratch), scratch);
     s = solve_weighted(p, scratch);
   }
   take_step(s, fit);

@@ -25,8 +25,7 @@ struct GreyFit {
                                WeightedSamples& scratch);
 
 /// The same with the outliers of a first fit weighed down (Tukey's biweight, cut at 4 robust standard deviations),
-/// which an occluder or a highlight makes necessary. ncc, inside and contrast stay those of all points inside the
-/// picture.
+/// which an occluder or a highlight makes necessary. For stepping only: ncc and contrast are not measured.
 [[nodiscard]] GreyFit fit_grey_robust(image::ImageView level, const GreyPoints& points, const LevelMap& map,
                                       WeightedSamples& scratch);
 

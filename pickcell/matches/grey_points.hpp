@@ -14,7 +14,8 @@ namespace pickcell::matches {
 /// Columns over the points, each with its mean taken off: t the grey value, j[0..3] its derivatives by dx, dy (pixels
 /// of the level), turn (radians) and growth of an Increment.
 struct GreyPoints {
-  std::vector<float> qx, qy;  ///< place relative to the anchor, pixels of the level
+  static constexpr double kFlatStd = 4;  ///< grey values
+  std::vector<float> qx, qy;             ///< place relative to the anchor, pixels of the level
   std::vector<float> t;
   std::array<std::vector<float>, 4> j;
   Eigen::Matrix<double, 5, 5> inverse;           ///< of the normal matrix of (t, j)
@@ -29,6 +30,8 @@ struct GreyPoints {
   [[nodiscard]] PointColumns columns() const {
     return {qx.data(), qy.data(), t.data(), {j[0].data(), j[1].data(), j[2].data(), j[3].data()}, count};
   }
+  /// Nothing inside but what a sensor's noise would leave: then the edges alone tell the part.
+  [[nodiscard]] bool flat() const { return energy < kFlatStd * kFlatStd * size(); }
   /// Whether the grey values can tell a place: enough points, some contrast, an invertible normal matrix.
   [[nodiscard]] bool usable() const {
     return size() >= 12 && energy > size() && inverse.allFinite() && inverse(0, 0) > 0;

@@ -98,8 +98,9 @@ double grey(image::ImageView level, const GreyPoints& p, const LevelMap& m, Weig
 
 double match_score(const SceneLevel& scene, const LevelModel& model, const Hypothesis& h, RefineScratch& scratch) {
   const LevelMap map = at_level(h.place, scene.level);
-  return 0.2 * h.ncc + 0.6 * edges(*scene.field, model.edges, map) +
-         0.2 * grey(scene.grey, model.grey, map, scratch.grey);
+  const double by_edges = edges(*scene.field, model.edges, map);
+  const double by_grey = model.grey.flat() ? by_edges : grey(scene.grey, model.grey, map, scratch.grey);
+  return 0.2 * h.ncc + 0.6 * by_edges + 0.2 * by_grey;
 }
 
 }  // namespace pickcell::matches

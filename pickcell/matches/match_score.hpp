@@ -10,8 +10,8 @@ namespace pickcell::matches {
 /// 0.2 NCC + 0.6 edges + 0.2 grey. Edges and grey are means over a grid of 4 x 4 blocks on the part, weighed by what
 /// the template holds there: of the correlation of the scene's edge directions with the template's (blur and low
 /// contrast weaken all of a scene's edges, which this does not mind), and of the NCC within the block (a shadow or an
-/// occluder spoils its blocks only). 1 for the template itself, about 0 or below elsewhere. place: where h was judged,
-/// at the scene's level.
+/// occluder spoils its blocks only); of a part that is flat inside only edges count. 1 for the template itself, about 0
+/// or below elsewhere. place: where h was judged, at the scene's level.
 [[nodiscard]] double match_score(const SceneLevel& scene, const LevelModel& model, const Hypothesis& h,
                                  RefineScratch& scratch);
 

@@ -87,13 +87,18 @@ double direction_ratio(image::ImageView picture, image::ImageView mask) {
   return high > 0 ? low / high : 1;
 }
 
-}  // namespace
-
-double direction_bits(const TemplatePyramid& t) {
+/// At the level where the part is about kContourSidePx wide.
+ContourPoints all_contours(const TemplatePyramid& t) {
   int level = 0;
   double side = std::sqrt(t.area_px);
   for (; side > kContourSidePx && level + 1 < static_cast<int>(t.levels.size()); side /= 2) ++level;
-  const ContourPoints contours = choose_contour_points(t, level, std::numeric_limits<int>::max());
+  return choose_contour_points(t, level, std::numeric_limits<int>::max());
+}
+
+}  // namespace
+
+double direction_bits(const TemplatePyramid& t) {
+  const ContourPoints contours = all_contours(t);
   std::array<double, 8> sector{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(contours.count); ++i) {
     const double turn = std::atan2(contours.ny[i], contours.nx[i]) / std::numbers::pi;  // half a turn is the same line
@@ -103,6 +108,19 @@ double direction_bits(const TemplatePyramid& t) {
   for (const double n : sector)
     if (n > 0) entropy -= n / contours.count * std::log2(n / contours.count);
   return entropy;
+}
+
+double roundness(const TemplatePyramid& t) {
+  const ContourPoints contours = all_contours(t);
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contours.count); ++i) {
+    const double radius = std::hypot(contours.x[i], contours.y[i]);
+    if (radius < 1) continue;
+    const double along = (contours.nx[i] * contours.x[i] + contours.ny[i] * contours.y[i]) / radius;
+    sum += along * along;
+    n += 1;
+  }
+  return n > 0 ? sum / n : 0.5;
 }
 
 PartFeatures measure_features(image::ImageView picture, image::ImageView mask) {

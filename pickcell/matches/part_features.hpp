@@ -20,4 +20,8 @@ struct PartFeatures {
 /// Entropy of the directions of all contours in eight sectors of half a turn: 1 for two parallel edges, 3 for a disc.
 [[nodiscard]] double direction_bits(const TemplatePyramid& part);
 
+/// How far all contours run around the anchor: the mean square of the cosine between a contour's normal and the way to
+/// the anchor. 1 for a disc, 0.5 for contours that have nothing to do with it.
+[[nodiscard]] double roundness(const TemplatePyramid& part);
+
 }  // namespace pickcell::matches

@@ -101,6 +101,24 @@ void sum_weighted_impl(const PointColumns& points, const float* s, const float* 
   sum_row<5>(points, s, weight, sums, right + 5);
 }
 
+void residual_sizes_impl(const PointColumns& points, const float* s, float offset, float gain, float* size) {
+  const DF d;
+  const VF from = hn::Set(d, offset), k = hn::Set(d, gain);
+  for (int i = 0; i < points.count; i += static_cast<int>(hn::Lanes(d)))
+    hn::StoreU(hn::Abs(hn::NegMulAdd(k, hn::LoadU(d, points.t + i), hn::Sub(hn::LoadU(d, s + i), from))), d, size + i);
+}
+
+void weigh_points_impl(const float* size, float cut, float trace, int count, float* weight) {
+  const DF d;
+  const VF per_cut = hn::Set(d, 1 / cut), one = hn::Set(d, 1.f), least = hn::Set(d, trace);
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const VF r = hn::Mul(hn::LoadU(d, size + i), per_cut);
+    const VF u = hn::Max(hn::Zero(d), hn::NegMulAdd(r, r, one));
+    const auto in = hn::Gt(hn::LoadU(d, weight + i), hn::Zero(d));
+    hn::StoreU(hn::IfThenElseZero(in, hn::Max(least, hn::Mul(u, u))), d, weight + i);
+  }
+}
+
 float sum_edges_impl(image::View<std::int8_t> field, const EdgeColumns& e, const LevelMap& m) {
   const DF d;
   const DI di;
@@ -146,6 +164,8 @@ namespace pickcell::matches {
 HWY_EXPORT(sum_points_impl);
 HWY_EXPORT(sample_points_impl);
 HWY_EXPORT(sum_weighted_impl);
+HWY_EXPORT(residual_sizes_impl);
+HWY_EXPORT(weigh_points_impl);
 HWY_EXPORT(sum_edges_impl);
 
 PointSums sum_points(image::ImageView picture, const PointColumns& points, const LevelMap& map) {
@@ -160,6 +180,14 @@ void sample_points(image::ImageView picture, const PointColumns& points, const L
 
 void sum_weighted(const PointColumns& points, const float* s, const float* weight, float* sums) {
   HWY_DYNAMIC_DISPATCH(sum_weighted_impl)(points, s, weight, sums);
+}
+
+void residual_sizes(const PointColumns& points, const float* s, float offset, float gain, float* size) {
+  HWY_DYNAMIC_DISPATCH(residual_sizes_impl)(points, s, offset, gain, size);
+}
+
+void weigh_points(const float* size, float cut, float trace, int count, float* weight) {
+  HWY_DYNAMIC_DISPATCH(weigh_points_impl)(size, cut, trace, count, weight);
 }
 
 float sum_edges(image::View<std::int8_t> field, const EdgeColumns& points, const LevelMap& map) {

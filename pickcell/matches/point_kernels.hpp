@@ -38,6 +38,12 @@ void sample_points(image::ImageView picture, const PointColumns& points, const L
 /// <= b in row order, sums[21..26] = sum w c_a (s - 128). Weights of the padding must be 0.
 void sum_weighted(const PointColumns& points, const float* s, const float* weight, float* sums);
 
+/// size[i] = |s[i] - offset - gain t[i]|. Writes whole blocks.
+void residual_sizes(const PointColumns& points, const float* s, float offset, float gain, float* size);
+
+/// weight[i] = max(trace, (1 - (size[i] / cut)^2)^2), where it is not 0 already. Writes whole blocks.
+void weigh_points(const float* size, float cut, float trace, int count, float* weight);
+
 /// Columns of edge points: place and field.
 struct EdgeColumns {
   const float* x;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace pickcell::matches {
@@ -16,15 +17,17 @@ constexpr double kFinalStop_px = 0.01;   // rim movement at which Gauss-Newton h
 constexpr double kClearlyBetter = 0.02;  // of the score
 constexpr double kRobustBelowNcc = 0.92;
 constexpr double kGoodNcc = 0.9;  // with kGoodEdge: contours cannot say more than the grey values did
-constexpr double kGoodEdge = 0.75;
+constexpr double kGoodEdge = 0.7;
 constexpr ContourSearch kClimbContour{2, 2.5f, false};
-constexpr ContourSearch kFinalContour{6, 3.f, true};
+constexpr double kContoursAgree_px = 0.15;  // with where the grey values led
+constexpr ContourSearch kFirstContour{2, 3.f, false, kContoursAgree_px};
+constexpr ContourSearch kFinalContour{4, 1.5f, true, 0};
 
 Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Similarity& place, const GreyFit& fit) {
   Hypothesis h;
   h.place = place;
-  h.ncc = fit.ncc;
   h.edge = edge_score(*scene.field, model.edges, at_level(place, scene.level));
+  h.ncc = model.grey.flat() ? std::min(h.edge, 1.0) : fit.ncc;
   h.inside = fit.inside;
   h.contrast = fit.contrast;
   h.gain = fit.gain;
@@ -50,7 +53,7 @@ class Descent {
       const GreyFit fit =
           (last ? fit_grey : fit_once)(scene_.grey, model_.grey, at_level(s, scene_.level), scratch_.grey);
       seen(s, fit);
-      if (last || !fit.can_step) return;
+      if (last || !fit.can_step || model_.grey.flat()) return;
       const Increment d = limited(fit.step, model_.grey.radius, kStepLimit_px);
       arrived = std::ldexp(rim_movement(d, model_.grey.radius), scene_.level) < stop_px;
       s = stepped(s, d);
@@ -63,7 +66,18 @@ class Descent {
   Hypothesis end_of(const Similarity& start, Fit fit_once) {
     std::pair<Similarity, GreyFit> last;
     run(start, kFinalSteps, kFinalStop_px, fit_once, [&](const Similarity& s, const GreyFit& f) { last = {s, f}; });
-    return judged(scene_, model_, last.first, last.second);
+    const bool measured = fit_once == fit_grey || last.second.ncc > -1;
+    return measured ? judged(scene_, model_, last.first, last.second) : evaluate(scene_, model_, last.first, scratch_);
+  }
+
+  /// The first place of a chain of grey fits and its last, judged.
+  std::pair<Hypothesis, Hypothesis> ends_of(const Similarity& start) {
+    std::optional<std::pair<Similarity, GreyFit>> first, last;
+    run(start, kFinalSteps, kFinalStop_px, fit_grey, [&](const Similarity& s, const GreyFit& f) {
+      last.emplace(s, f);
+      if (!first) first = last;
+    });
+    return {judged(scene_, model_, first->first, first->second), judged(scene_, model_, last->first, last->second)};
   }
 
   [[nodiscard]] Similarity in_range(Similarity s) const {
@@ -94,6 +108,22 @@ void prefer(const Hypothesis& exact, Hypothesis& best) {
   if (exact.score > best.score - kClearlyBetter) best = exact;
 }
 
+/// Where the contours lead at level 0, if that scores clearly better than the place they start from; followed to the
+/// end only when the first steps go uphill.
+std::optional<Hypothesis> by_contours(const SceneLevel& scene, const LevelModel& model, const Hypothesis& from,
+                                      const Descent& descent, RefineScratch& scratch) {
+  const auto led = [&](const Similarity& start, const ContourSearch& search) -> std::optional<Hypothesis> {
+    const auto moved = fit_contours(scene.grey, 0, model.contours, start, search, scratch.contour);
+    if (!moved) return {};
+    return evaluate(scene, model, descent.in_range(*moved), scratch);
+  };
+  auto best = led(from.place, kFirstContour);
+  if (!best || (best->score <= from.score && !model.grey.flat())) return {};
+  if (const auto on = led(best->place, kFinalContour)) keep_better(*on, *best);
+  if (best->score <= from.score + (model.grey.flat() ? -kClearlyBetter : kClearlyBetter)) return {};
+  return best;
+}
+
 }  // namespace
 
 double combined_score(double ncc, double edge) { return 0.4 * ncc + 0.6 * std::min(edge, 1.0); }
@@ -117,25 +147,23 @@ Hypothesis climb(const SceneLevel& scene, const LevelModel& model, const Similar
 Hypothesis settle(const SceneLevel& scene, const LevelModel& model, const Similarity& start, Range scale,
                   RefineScratch& scratch) {
   Descent descent(scene, model, scale, scratch);
-  const Hypothesis first = evaluate(scene, model, start, scratch);
+  const auto [first, last] = descent.ends_of(start);
   Hypothesis best = first;
-  prefer(descent.end_of(start, fit_grey), best);
-  if (best.ncc >= kGoodNcc && best.edge >= kGoodEdge) return best;
-  if (const auto moved = fit_contours(scene.grey, 0, model.contours, best.place, kFinalContour, scratch.contour)) {
-    const Hypothesis h = evaluate(scene, model, descent.in_range(*moved), scratch);
-    if (h.score > best.score + kClearlyBetter) {
-      best = h;
-      prefer(descent.end_of(best.place, fit_grey), best);
-    }
+  prefer(last, best);
+  if (best.ncc >= kGoodNcc && best.edge >= kGoodEdge && !model.grey.flat()) return best;
+  if (const auto h = by_contours(scene, model, best, descent, scratch)) {
+    best = *h;
+    prefer(descent.end_of(best.place, fit_grey), best);
   }
   return best.score < first.score && best.ncc < first.ncc ? first : best;
 }
 
 Hypothesis polish(const SceneLevel& scene, const LevelModel& model, const Hypothesis& settled, Range scale,
                   RefineScratch& scratch) {
-  if (settled.ncc >= kRobustBelowNcc) return settled;
+  if (settled.ncc >= kRobustBelowNcc || model.grey.flat()) return settled;
   Hypothesis best = settled;
   prefer(Descent(scene, model, scale, scratch).end_of(settled.place, fit_grey_robust), best);
+  best.coarse = settled.coarse;
   return best;
 }
 

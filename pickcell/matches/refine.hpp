@@ -24,12 +24,13 @@ struct LevelModel {
 /// A place and what speaks for it, both measured there.
 struct Hypothesis {
   Similarity place;
-  double ncc = -1;
+  double ncc = -1;  ///< of a part that is flat inside: the edge score
   double edge = 0;
   double inside = 1;    ///< share of the part inside the picture
   double contrast = 0;  ///< standard deviation of the scene under the part, grey values
   double gain = 0;      ///< scene contrast over template contrast
   double score = -1;
+  float coarse = 0;  ///< score of the candidate that it came from
 };
 
 /// 0.4 NCC + 0.6 edge score: the inside alone can match the edge of something else, and edges alone match clutter.

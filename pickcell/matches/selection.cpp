@@ -15,8 +15,8 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kAngleSlack_deg = 3;  // a result may lie this much outside the asked-for range
-constexpr double kScaleSlack = 0.03;
-constexpr double kLeastContrast = 2;  // grey values
+constexpr double kScaleSlack = 0.051;  // as far as refinement goes
+constexpr double kLeastContrast = 2;   // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
@@ -74,17 +74,21 @@ double Selection::score_of(const BestModel& model, const Hypothesis& h) {
   return match_score(scene_.level(0), model.levels[0], h, scratch_);
 }
 
-Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h) {
-  return {&model, model_index, h, score_of(model, h), model.outline(h.place), std::pmr::vector<double>(memory_)};
+Selection::Entry Selection::entry(const BestModel& model, int model_index, const Hypothesis& h, double score) {
+  return {&model, model_index, h, score, model.outline(h.place), std::pmr::vector<double>(memory_)};
 }
 
 void Selection::add(const BestModel& model, int model_index, Followed followed) {
-  for (const Hypothesis& h : followed.found) entries_.push_back(entry(model, model_index, h));
-  if (!options_.explain) return;
-  for (const Dropped& d : followed.dropped) {  // with the score for which it was dropped, of a coarser level
-    turned_.push_back({entry(model, model_index, d.hypothesis), d.reason, d.stage});
-    turned_.back().entry.score = d.hypothesis.score;
+  std::size_t scored = 0;
+  for (const Hypothesis& h : followed.found) {
+    if (scored++ < kContenders || !budget_.spent())
+      entries_.push_back(entry(model, model_index, h, score_of(model, h)));
+    else
+      followed.dropped.push_back({h, RejectReason::budget, Stage::final});
   }
+  if (!options_.explain) return;
+  for (const Dropped& d : followed.dropped)  // with the score for which it was dropped, of a coarser level
+    turned_.push_back({entry(model, model_index, d.hypothesis, d.hypothesis.score), d.reason, d.stage});
 }
 
 void Selection::add_at_border(const BestModel& model, int model_index, const Followed& followed) {
@@ -93,7 +97,7 @@ void Selection::add_at_border(const BestModel& model, int model_index, const Fol
       return o.model == &model && same_place(o.h.place, h.place, model.side_px);
     });
     if (known || h.inside >= settings_.min_visible) continue;
-    Entry e = entry(model, model_index, h);
+    Entry e = entry(model, model_index, h, score_of(model, h));
     const RejectReason* const reason = fault(e);
     if (reason && *reason == RejectReason::border && e.score >= limit_of(e)) turn_down(std::move(e), *reason);
   }
@@ -153,7 +157,8 @@ const RejectReason* Selection::fault(const Entry& e) const {
   static constexpr RejectReason kScore = RejectReason::score, kBorder = RejectReason::border,
                                 kScale = RejectReason::scale, kContrast = RejectReason::contrast,
                                 kLimit = RejectReason::limit;
-  if (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain) return &kContrast;
+  const bool flat = e.model->levels.front().grey.flat();
+  if (!flat && (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain)) return &kContrast;
   if (e.h.inside < settings_.min_visible) return &kBorder;
   if (e.h.place.scale < e.model->scale.lo * (1 - kScaleSlack) ||
       e.h.place.scale > e.model->scale.hi * (1 + kScaleSlack))

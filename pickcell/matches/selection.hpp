@@ -38,7 +38,7 @@ class Selection {
     RejectReason reason;
     Stage stage;
   };
-  [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h);
+  [[nodiscard]] Entry entry(const BestModel& model, int model_index, const Hypothesis& h, double score);
   [[nodiscard]] double score_of(const BestModel& model, const Hypothesis& h);
   [[nodiscard]] bool contender(const Entry& e) const;
   [[nodiscard]] double limit_of(const Entry& e) const;

@@ -19,7 +19,9 @@ constexpr double kThinAspect = 6;
 constexpr double kFeaturelessStd = 1.5;  ///< grey values left after averaging: sensor noise alone leaves less
 constexpr double kLowContrastStd = 5;
 constexpr double kManyDirections_bits = 2;  ///< see direction_bits
-constexpr double kOneDirection = 0.02;      ///< of structure across the other direction
+constexpr double kRound = 0.66;             ///< see roundness: coins have about 0.7, beasts 0.5
+constexpr double kRoundSpread = 0.08;
+constexpr double kOneDirection = 0.02;  ///< of structure across the other direction
 
 tl::unexpected<core::Error> refuse(const std::string& what, const std::string& why, const std::string& remedy) {
   return core::failure(core::ErrorCode::usage, what, why, remedy);
@@ -144,11 +146,13 @@ void warn_about_angles(const Learnt& learnt, std::vector<TeachWarning>& warnings
 
 /// Engine best on 100 templates, 700 pictures with the part and 650 without: places where it is not reach 0.63 with
 /// parts of about 4500 pixels (the more pixels, the less can agree by chance) and more with two parallel edges, which
-/// agree with much of the world. Right ones lie below the suggestion in 2 of 100 there, in 13 of 100 on masked parts of
-/// a set it was not made from.
-double suggested_threshold(double part_pixels, double direction_bits) {
+/// agree with much of the world. A mask brings the outline, and one that is no disc is rare elsewhere: what comes near
+/// the limit of masked parts are discs in place of other discs.
+double suggested_threshold(double part_pixels, const TemplatePyramid& part) {
   const double by_size = std::clamp(0.66 - 0.03 * std::log2(part_pixels / 4500), 0.51, 0.725);
-  return by_size + 0.22 * std::clamp(kManyDirections_bits - direction_bits, 0.0, 1.0);
+  const double few_directions = std::clamp(kManyDirections_bits - direction_bits(part), 0.0, 1.0);
+  const double own_outline = part.masked ? std::clamp((kRound - roundness(part)) / kRoundSpread, 0.0, 1.0) : 0.0;
+  return by_size + 0.22 * few_directions - 0.05 * own_outline;
 }
 
 Learnt learn(const Model& model, const PartFeatures& features) {
@@ -157,7 +161,7 @@ Learnt learn(const Model& model, const PartFeatures& features) {
   learnt.symmetry_order = self.symmetry_order;
   learnt.ambiguous_deg = self.ambiguous_deg;
   learnt.second_best_self_match = self.second_best;
-  learnt.suggested_min_score = suggested_threshold(features.part_pixels, direction_bits(build_template_pyramid(model)));
+  learnt.suggested_min_score = suggested_threshold(features.part_pixels, build_template_pyramid(model));
   return learnt;
 }
 

@@ -16,6 +16,7 @@ constexpr double kFew_deg = 4;     // angles this near are the same
 constexpr std::size_t kFollowed = 4;
 constexpr int kSteps = 3;
 constexpr double kHopeless = 0.25;  // of the score below what the sweep saw at the found angle
+constexpr double kWorse = 0.1;      // the same, once a turn has been refined there
 
 int sweep_level(const BestModel& model, const BestScene& scene) {
   int level = 0;
@@ -65,9 +66,11 @@ std::pmr::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestMo
   const SceneLevel level = scene.level(l);
   const LevelModel& at_level = model.levels[static_cast<std::size_t>(l)];
   std::pmr::vector<Hypothesis> out({found}, memory);
+  const Hypothesis here = evaluate(level, at_level, found.place, scratch);
   for (const Hypothesis& peak : sweep(found, level, at_level, allowed_deg, scratch, budget, memory)) {
     if (budget.spent()) break;
     const Hypothesis near = climb(level, at_level, peak.place, model.scale, kSteps, scratch);
+    if (near.score < here.score - kWorse) continue;
     const Hypothesis exact = settle(scene.level(0), model.levels[0], near.place, model.scale, scratch);
     out.push_back(polish(scene.level(0), model.levels[0], exact, model.scale, scratch));
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "pickcell/matches/histogram_median.hpp"
 #include "pickcell/matches/point_kernels.hpp"
 
 namespace pickcell::matches {
@@ -12,10 +13,8 @@ namespace {
 
 constexpr float kLeastNoise = 4.f;  // grey values; below it a residual is no reason to mistrust a point
 constexpr float kTrace = 1e-6f;
-
-float residual(const GreyPoints& p, const WeightedSamples& samples, const WeightedSolution& fit, std::size_t i) {
-  return samples.scene[i] - static_cast<float>(fit.offset) - static_cast<float>(fit.gain) * p.t[i];
-}
+constexpr float kBinsPerGrey = 4;
+constexpr int kEnoughForNoise = 2000;  // points: of more, every fourth tells the median
 
 }  // namespace
 
@@ -56,33 +55,19 @@ WeightedSolution solve_weighted(const GreyPoints& p, const WeightedSamples& samp
   return s;
 }
 
-float robust_noise(const GreyPoints& p, const WeightedSamples& samples, const WeightedSolution& fit) {
-  constexpr int kBins = 1024;
-  constexpr float kPerGrey = 4;
-  std::array<int, kBins> histogram{};
-  int n = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
-    if (samples.weight[i] == 0.f) continue;
-    ++histogram[static_cast<std::size_t>(std::min(kBins - 1.f, kPerGrey * std::abs(residual(p, samples, fit, i))))];
-    ++n;
-  }
-  int below = 0;
-  std::size_t bin = 0;
-  while (bin + 1 < kBins && 2 * (below + histogram[bin]) < n) below += histogram[bin++];
-  const int here = std::max(1, histogram[bin]);
-  const float median = (static_cast<float>(bin) +
-                        (0.5f * static_cast<float>(n) - static_cast<float>(below)) / static_cast<float>(here)) /
-                       kPerGrey;
-  return std::max(kLeastNoise, 1.4826f * median);
+float robust_noise(const GreyPoints& p, const WeightedSolution& fit, WeightedSamples& samples) {
+  samples.residual.resize(samples.scene.size());
+  residual_sizes(p.columns(), samples.scene.data(), static_cast<float>(fit.offset), static_cast<float>(fit.gain),
+                 samples.residual.data());
+  HistogramMedian<1024> sizes(kBinsPerGrey);
+  const std::size_t stride = p.size() > kEnoughForNoise ? 4 : 1;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); i += stride)
+    if (samples.weight[i] != 0.f) sizes.add(samples.residual[i]);
+  return std::max(kLeastNoise, 1.4826f * sizes.median());
 }
 
-void weigh_by_residual(const GreyPoints& p, const WeightedSolution& fit, float cut, WeightedSamples& samples) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
-    if (samples.weight[i] == 0.f) continue;
-    const float r = residual(p, samples, fit, i) / cut;
-    const float u = std::max(0.f, 1 - r * r);
-    samples.weight[i] = std::max(kTrace, u * u);
-  }
+void weigh_by_residual(const GreyPoints& p, float cut, WeightedSamples& samples) {
+  weigh_points(samples.residual.data(), cut, kTrace, p.size(), samples.weight.data());
 }
 
 }  // namespace pickcell::matches

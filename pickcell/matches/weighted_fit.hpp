@@ -14,6 +14,7 @@ namespace pickcell::matches {
 struct WeightedSamples {
   std::vector<float> scene;
   std::vector<float> weight;
+  std::vector<float> residual;  ///< of the last robust_noise: |scene - offset - gain t|
 };
 
 /// Reads the points: weight 1 inside the picture, 0 outside. Returns the share inside.
@@ -34,10 +35,11 @@ struct WeightedSolution {
 [[nodiscard]] WeightedSolution solve_weighted(const GreyPoints& points, const WeightedSamples& samples);
 
 /// 1.48 times the median of |scene - offset - gain t| over points of weight > 0, at least a little; in grey values.
-[[nodiscard]] float robust_noise(const GreyPoints& points, const WeightedSamples& samples, const WeightedSolution& fit);
+/// Leaves the residuals in the samples.
+[[nodiscard]] float robust_noise(const GreyPoints& points, const WeightedSolution& fit, WeightedSamples& samples);
 
-/// Tukey's biweight: weight (1 - (residual / cut)^2)^2 for points inside the picture; outliers keep a trace, so that
-/// they still count as inside.
-void weigh_by_residual(const GreyPoints& points, const WeightedSolution& fit, float cut, WeightedSamples& samples);
+/// Tukey's biweight of the residuals that robust_noise left: weight (1 - (residual / cut)^2)^2 for points inside the
+/// picture; outliers keep a trace, so that they still count as inside.
+void weigh_by_residual(const GreyPoints& points, float cut, WeightedSamples& samples);
 
 }  // namespace pickcell::matches
