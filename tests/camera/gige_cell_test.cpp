@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "fake_camera.hpp"
-#include "pickcell/cli/cell_setup.hpp"
-#include "pickcell/cli/start_demo.hpp"
+#include "pickcell/cli/cell/setup.hpp"
+#include "pickcell/cli/cell/start_demo.hpp"
 #include "pickcell/cli/subcommand.hpp"
 #include "pickcell/core/json.hpp"
 #include "pickcell/sim/gige_camera.hpp"

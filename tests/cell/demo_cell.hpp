@@ -10,8 +10,8 @@
 #include <mutex>
 #include <string>
 
-#include "pickcell/cli/cell_setup.hpp"
-#include "pickcell/cli/start_demo.hpp"
+#include "pickcell/cli/cell/setup.hpp"
+#include "pickcell/cli/cell/start_demo.hpp"
 
 namespace pickcell {
 

@@ -5,8 +5,8 @@
 
 #include "demo_cell.hpp"
 #include "pickcell/cell/database.hpp"
-#include "pickcell/cli/cell_report.hpp"
-#include "pickcell/cli/cell_run.hpp"
+#include "pickcell/cli/cell/report.hpp"
+#include "pickcell/cli/cell/run.hpp"
 #include "pickcell/cli/subcommand.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
