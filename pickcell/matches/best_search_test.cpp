@@ -197,5 +197,53 @@ TEST(BestSearch, RefinementNeverMakesAPlaceWorse) {
     }
 }
 
+/// An L of one grey, without anything inside: its model is cut on dark ground, the scene shows it on another.
+bool in_flat_part(double x, double y) { return x >= 8 && y >= 8 && x < 62 && y < 78 && (x < 28 || y >= 58); }
+
+void draw_flat_part(image::Image& scene, const Pose2d& pose) {
+  const double c = pose.scale * std::cos(pose.angle_deg / kDegPerRad);
+  const double s = pose.scale * std::sin(pose.angle_deg / kDegPerRad);
+  const double size2 = pose.scale * pose.scale;
+  for (int y = 0; y < scene.height(); ++y)
+    for (int x = 0; x < scene.width(); ++x) {
+      int inside = 0;
+      for (int k = 0; k < 16; ++k) {
+        const double dx = x + (k % 4 + 0.5) / 4 - 0.5 - pose.x_px, dy = y + (k / 4 + 0.5) / 4 - 0.5 - pose.y_px;
+        inside += in_flat_part((c * dx - s * dy) / size2 + 34.5, (s * dx + c * dy) / size2 + 42.5) ? 1 : 0;
+      }
+      scene.at(x, y) = static_cast<std::uint8_t>(scene.at(x, y) + (180 - scene.at(x, y)) * inside / 16);
+    }
+}
+
+TEST(BestSearch, AFlatPartIsFoundByItsEdges) {
+  Model part;
+  part.name = "flat";
+  part.picture.resize(70, 86);
+  part.picture.fill(60);
+  draw_flat_part(part.picture, {34.5, 42.5, 0, 1});
+  part.mask.resize(70, 86);
+  for (int y = 0; y < 86; ++y)
+    for (int x = 0; x < 70; ++x) part.mask.at(x, y) = in_flat_part(x, y) ? 255 : 0;
+  part.ref_x_px = 34.5;
+  part.ref_y_px = 42.5;
+  part.scale = {0.9, 1.1};
+  part.learnt.suggested_min_score = 0.65;
+  const Pose2d truth{171.3, 112.8, 64, 1.04};
+  image::Image picture(320, 240);
+  picture.fill(110);
+  draw_flat_part(picture, truth);
+  testing::add_noise(picture, 3, 7);
+  image::Pyramid pyramid;
+  pyramid.build(picture.view());
+  const Model* const one[] = {&part};
+  BestEngine engine;
+  const auto found = engine.find(pyramid, one, {});
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->matches.size(), 1u);
+  EXPECT_LT(testing::distance_px(found->matches[0].pose, truth), 0.3);
+  EXPECT_LT(testing::turn_deg(found->matches[0].pose, truth), 0.5);
+  EXPECT_NEAR(found->matches[0].pose.scale, truth.scale, 0.01);
+}
+
 }  // namespace
 }  // namespace pickcell::matches

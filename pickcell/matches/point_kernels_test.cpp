@@ -227,6 +227,29 @@ TEST(ContourKernel, LinesAndTheirSumsAreThoseOfTheFormula) {
   });
 }
 
+TEST(PointKernels, ResidualsAndTheirWeightsAreThoseOfTheFormula) {
+  std::mt19937 rng(11);
+  const int count = 45;
+  const Column t = random_column(rng, count, -60, 60), scene = random_column(rng, count, 0, 255);
+  Column inside(t.size());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) inside[i] = i % 5 == 0 ? 0.f : 1.f;
+  const PointColumns points{nullptr, nullptr, t.data(), {}, count};
+  testing::on_every_target([&] {
+    Column size(t.size()), weight = inside, lines(t.size());
+    residual_sizes(points, scene.data(), 100, 0.8f, size.data());
+    weigh_points(size.data(), 70, 1e-6f, count, weight.data());
+    weigh_lines(size.data(), inside.data(), 70, count, lines.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const double r = std::abs(scene[i] - 100 - static_cast<double>(0.8f) * t[i]);
+      ASSERT_NEAR(size[i], r, 1e-3) << i;
+      const double u = std::max(0.0, 1 - r * r / (70.0 * 70.0));
+      ASSERT_NEAR(lines[i], inside[i] * u * u, 1e-4) << i;
+      ASSERT_NEAR(weight[i], inside[i] * std::max(1e-6, u * u), 1e-4) << i;
+      ASSERT_EQ(weight[i] > 0, inside[i] > 0) << i;  // an outlier still counts as inside
+    }
+  });
+}
+
 /// Rounded to bytes, so at most one unit from the formula, on every target.
 TEST(OrientationKernel, IsTheSmoothedTensorOfTheFormula) {
   std::mt19937 rng(7);
