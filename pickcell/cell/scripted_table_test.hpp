@@ -1,6 +1,8 @@
 #pragma once
 /// An arm and a camera over one table that do exactly what a test says, on a simulated clock.
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <functional>
 #include <mutex>
