@@ -99,7 +99,7 @@ def main():
         for image in chosen:
             part = templates[image["template"]]
             mask = ["--mask", options.set / part["mask"]] if part.get("mask") else []
-            run(options.native, "teach", options.set / part["file"], "-o", model, "--scale", "0.9,1.1", *mask)
+            run(options.native, "teach", options.set / part["file"], "-o", model, "--scale", "0.9,1.1", *mask, "--json")
             width, height, pixels = grey_png(options.set / image["file"])
             picture.write_bytes(b"P5\n%d %d\n255\n" % (width, height) + pixels)
             for core, sums in table.items():

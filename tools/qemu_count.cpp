@@ -1,10 +1,11 @@
-/// A plugin of qemu-user (7.2 or later) that counts the instructions a program executes, by function. count_instructions.py
-/// compiles and runs it. Debian ships no header of qemu's plugin interface: what is used of its version 1 is declared here.
+/// A plugin of qemu-user (7.2 or later) that counts the instructions a program executes, by function.
+/// count_instructions.py compiles and runs it. Debian ships no header of qemu's plugin interface: what is used of its
+/// version 1 is declared here.
 ///
 ///     qemu-aarch64 -d plugin -D /dev/null -plugin qemu_count.so,out=FILE PROGRAM ...
 ///
-/// FILE gets a line per function, "COUNT SYMBOL"; "?" stands for what has no symbol (the shared libraries). qemu knows the
-/// symbols only while it logs something, hence -d.
+/// FILE gets a line per function, "COUNT SYMBOL"; "?" stands for what has no symbol (the shared libraries). qemu knows
+/// the symbols only while it logs something, hence -d.
 
 #include <cstddef>
 #include <cstdint>
