@@ -133,6 +133,26 @@ TEST(RstSmooth, BinomialHalvingEqualsThePlainFormAndKeepsARampInPlace) {
   for (int x = 1; x < 31; ++x) EXPECT_EQ(half.at(x, 2), 2 * (2 * x) + 1);
 }
 
+/// [1 2 1] / 4 in both directions by its definition.
+TEST(RstSmooth, EqualsThePlainFormOnEveryTarget) {
+  for (const auto& [w, h] : {std::pair{167, 5}, {31, 20}, {3, 2}, {1, 1}}) {
+    const image::Image picture = noise(w, h, 13);
+    testing::on_every_target([&, w = w, h = h] {
+      image::Image out;
+      smooth(picture.view(), out);
+      constexpr int kTaps[] = {1, 2, 1};
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          int sum = 8;
+          for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i)
+              sum += kTaps[i] * kTaps[j] * picture.at(std::clamp(x - 1 + i, 0, w - 1), std::clamp(y - 1 + j, 0, h - 1));
+          ASSERT_EQ(out.at(x, y), sum / 16) << w << ": " << x << " " << y;
+        }
+    });
+  }
+}
+
 TEST(RstWindow, QuarterTurnsCopyThePixels) {
   const image::Image part = noise(21, 21, 8);
   const Window w = make_window({part.view(), {}, 10, 10, WindowMask::rect}, 90, 1);

@@ -23,7 +23,7 @@ struct RstSettings {
   std::optional<std::vector<double>> scales;        ///< unset: by the asked-for range
   std::optional<int> scale_count;                   ///< NS: so many in geometric progression over the range
   PyramidFilter pyramid = PyramidFilter::binomial;  ///< the paper does not name it
-  int smooth = 0;            ///< more passes of [1 2 1] / 4 over template and picture at level NP
+  int smooth = 2;            ///< passes of [1 2 1] / 4 over template and picture at level NP: two are [1 4 6 4 1] / 16
   int circles = 10;          ///< NC
   int angle_step_deg = 10;   ///< alpha, a divisor of 360
   double t1 = 0.84;          ///< circular filter
