@@ -7,7 +7,11 @@
 namespace pickcell::matches {
 namespace {
 
-constexpr int kChunk = 64;  // candidates per piece of work
+constexpr int kChunk = 64;         // candidates of step 3 per piece of work
+constexpr int kRadialChunk = 256;  // of step 2
+constexpr int kRowChunk = 8;       // rows of step 1
+
+int pieces_of(int work, int chunk) { return (work + chunk - 1) / chunk; }
 
 /// What the workers of one step put down, in the order of the work.
 struct Pieces {
@@ -19,6 +23,9 @@ struct Pieces {
         compared(static_cast<std::size_t>(n)) {}
 
   void collect(RstStep& out) const {
+    std::size_t all = 0;
+    for (const auto& piece : kept) all += piece.size();
+    out.kept.reserve(all);
     for (const auto& piece : kept) out.kept.insert(out.kept.end(), piece.begin(), piece.end());
     for (const auto& piece : dropped) out.dropped.insert(out.dropped.end(), piece.begin(), piece.end());
     out.report.survivors = static_cast<std::int64_t>(out.kept.size());
@@ -93,6 +100,40 @@ RstPositions positions(const RstTask& task) {
   return p;
 }
 
+namespace {
+
+/// Step 1 on one row; keeps its memory from row to row.
+class CircularRow {
+ public:
+  void run(const RstTask& task, const OffsetLists& circles, const RstPositions& p, int y,
+           std::vector<RstCandidate>& kept, std::vector<RstCandidate>& dropped) {
+    const int width = p.x_hi - p.x_lo + 1;
+    const auto room = static_cast<std::size_t>((width + kRstBlock - 1) / kRstBlock * kRstBlock);
+    const auto stride = static_cast<std::ptrdiff_t>(room);
+    means_.resize(room * circles.inverse_length.size());
+    best_.resize(room);
+    scale_.resize(room);
+    mean_lists(task.coarse.row(y) + p.x_lo, circles, width, means_.data(), stride);
+    score_rings(means_.data(), stride, width, task.model.rings, best_.data(), scale_.data());
+    for (int i = 0; i < width; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const auto score = static_cast<double>(best_[at]);
+      if (!task.options.explain && !(score > task.settings.t1)) continue;  // nearly all
+      const RstCandidate c{p.x_lo + i, y, scale_[at], 0, score, 1};
+      if (score > task.settings.t1 && passes_gates(task, means_.data() + i, stride, c.scale, task.model.ring_means))
+        kept.push_back(c);
+      else if (task.options.explain)
+        dropped.push_back(c);
+    }
+  }
+
+ private:
+  std::vector<float> means_, best_;
+  std::vector<std::int32_t> scale_;
+};
+
+}  // namespace
+
 RstStep circular_filter(const RstTask& task) {
   RstStep out;
   out.report.stage = name(Stage::circular);
@@ -100,33 +141,17 @@ RstStep circular_filter(const RstTask& task) {
   const int width = p.x_hi - p.x_lo + 1, rows = p.y_hi - p.y_lo + 1;
   if (width <= 0 || rows <= 0) return out;
   const OffsetLists circles = offsets_for(task.model.circles, task.coarse.stride());
-  const std::size_t room = static_cast<std::size_t>((width + kRstBlock - 1) / kRstBlock * kRstBlock);
-  const auto stride = static_cast<std::ptrdiff_t>(room);
-  struct Scratch {
-    std::vector<float> means, best;
-    std::vector<std::int32_t> scale;
-  };
-  std::vector<Scratch> scratch(static_cast<std::size_t>(task.threads));
-  Pieces pieces(rows);
-  parallel_for(rows, task.threads, [&](int row, int worker) {
-    if (task.budget.spent()) return;
-    Scratch& s = scratch[static_cast<std::size_t>(worker)];
-    s.means.resize(room * circles.inverse_length.size());
-    s.best.resize(room);
-    s.scale.resize(room);
-    const auto r = static_cast<std::size_t>(row);
-    mean_lists(task.coarse.row(p.y_lo + row) + p.x_lo, circles, width, s.means.data(), stride);
-    score_rings(s.means.data(), stride, width, task.model.rings, s.best.data(), s.scale.data());
-    for (int i = 0; i < width; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (!task.options.explain && !(static_cast<double>(s.best[at]) > task.settings.t1)) continue;  // nearly all
-      const RstCandidate c{p.x_lo + i, p.y_lo + row, s.scale[at], 0, static_cast<double>(s.best[at]), 1};
-      if (c.score > task.settings.t1 && passes_gates(task, s.means.data() + i, stride, c.scale, task.model.ring_means))
-        pieces.kept[r].push_back(c);
-      else if (task.options.explain)
-        pieces.dropped[r].push_back(c);
+  std::vector<CircularRow> workers(static_cast<std::size_t>(task.threads));
+  const int n = pieces_of(rows, kRowChunk);
+  Pieces pieces(n);
+  parallel_for(n, task.threads, [&](int i, int worker) {
+    const auto piece = static_cast<std::size_t>(i);
+    for (int row = i * kRowChunk; row < std::min(rows, (i + 1) * kRowChunk); ++row) {
+      if (task.budget.spent()) return;
+      workers[static_cast<std::size_t>(worker)].run(task, circles, p, p.y_lo + row, pieces.kept[piece],
+                                                    pieces.dropped[piece]);
+      pieces.compared[piece] += static_cast<std::int64_t>(width) * static_cast<std::int64_t>(task.model.scales.size());
     }
-    pieces.compared[r] = static_cast<std::int64_t>(width) * static_cast<std::int64_t>(task.model.scales.size());
   });
   pieces.collect(out);
   keep_best_dropped(task, out.dropped);
@@ -191,16 +216,15 @@ RstStep radial_filter(const RstTask& task, std::vector<RstCandidate> candidates)
   out.report.population = static_cast<std::int64_t>(candidates.size());
   std::vector<OffsetLists> lines;
   for (const RstRadial& r : task.model.radials) lines.push_back(offsets_for(r.lines, task.coarse.stride()));
-  const int count = static_cast<int>(candidates.size());
-  const int n = (count + kChunk - 1) / kChunk;
+  const int n = pieces_of(static_cast<int>(candidates.size()), kRadialChunk);
   Pieces pieces(n);
   parallel_for(n, task.threads, [&](int i, int) {
     if (task.budget.spent()) return;
     const auto piece = static_cast<std::size_t>(i);
-    const auto first = static_cast<std::size_t>(i * kChunk);
+    const std::size_t first = piece * kRadialChunk;
     RadialPiece(task, lines)
         .run(std::span<const RstCandidate>(candidates)
-                 .subspan(first, std::min<std::size_t>(kChunk, candidates.size() - first)),
+                 .subspan(first, std::min<std::size_t>(kRadialChunk, candidates.size() - first)),
              pieces.kept[piece], pieces.dropped[piece], pieces.compared[piece]);
   });
   pieces.collect(out);
@@ -236,7 +260,7 @@ RstStep template_filter(const RstTask& task, std::vector<RstCandidate> candidate
   RstStep out;
   out.report.stage = name(Stage::templates);
   out.report.population = static_cast<std::int64_t>(candidates.size());
-  const int n = (static_cast<int>(candidates.size()) + kChunk - 1) / kChunk;
+  const int n = pieces_of(static_cast<int>(candidates.size()), kChunk);
   Pieces pieces(n);
   parallel_for(n, task.threads, [&](int i, int) {
     if (task.budget.spent()) return;

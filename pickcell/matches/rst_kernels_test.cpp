@@ -24,8 +24,10 @@ image::Image noise(int w, int h, unsigned seed) {
 }
 
 TEST(RstKernels, FeaturesAndRingScoresEqualThePlainFormOnEveryTarget) {
-  const image::Image picture = noise(150, 90, 3);
-  for (const int r : {3, 17, 42}) {  // circles of more than 256 pixels, too
+  image::Image picture = noise(150, 130, 3);
+  for (int y = 0; y < picture.height(); ++y)  // bright: a circle of more than 256 pixels does not fit 16 bits
+    for (int x = 0; x < picture.width(); ++x) picture.at(x, y) |= 192;
+  for (const int r : {3, 17, 60}) {
     const OffsetLists lists = offsets_for(circle_lists(circle_radii(r, 10)), picture.stride());
     const int n = picture.width() - 2 * r;
     const std::ptrdiff_t stride = 160;
@@ -41,12 +43,12 @@ TEST(RstKernels, FeaturesAndRingScoresEqualThePlainFormOnEveryTarget) {
       query.negative = negative;
       std::vector<float> plain_means(room), plain_best(160);
       std::vector<std::int32_t> plain_scale(160);
-      plain::mean_lists(picture.row(44) + r, lists, n, plain_means.data(), stride);
+      plain::mean_lists(picture.row(65) + r, lists, n, plain_means.data(), stride);
       plain::score_rings(plain_means.data(), stride, n, query, plain_best.data(), plain_scale.data());
       testing::on_every_target([&] {
         std::vector<float> means(room), best(160);
         std::vector<std::int32_t> scale(160);
-        mean_lists(picture.row(44) + r, lists, n, means.data(), stride);
+        mean_lists(picture.row(65) + r, lists, n, means.data(), stride);
         score_rings(means.data(), stride, n, query, best.data(), scale.data());
         for (int i = 0; i < n; ++i) {
           const auto at = static_cast<std::size_t>(i);
@@ -131,6 +133,26 @@ TEST(RstSmooth, BinomialHalvingEqualsThePlainFormAndKeepsARampInPlace) {
     for (int x = 0; x < 64; ++x) ramp.at(x, y) = static_cast<std::uint8_t>(2 * x);
   halve_binomially(ramp.view(), half);
   for (int x = 1; x < 31; ++x) EXPECT_EQ(half.at(x, 2), 2 * (2 * x) + 1);
+}
+
+/// [1 2 1] / 4 in both directions by its definition.
+TEST(RstSmooth, EqualsThePlainFormOnEveryTarget) {
+  for (const auto& [w, h] : {std::pair{167, 5}, {31, 20}, {3, 2}, {1, 1}}) {
+    const image::Image picture = noise(w, h, 13);
+    testing::on_every_target([&, w = w, h = h] {
+      image::Image out;
+      smooth(picture.view(), out);
+      constexpr int kTaps[] = {1, 2, 1};
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          int sum = 8;
+          for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i)
+              sum += kTaps[i] * kTaps[j] * picture.at(std::clamp(x - 1 + i, 0, w - 1), std::clamp(y - 1 + j, 0, h - 1));
+          ASSERT_EQ(out.at(x, y), sum / 16) << w << ": " << x << " " << y;
+        }
+    });
+  }
 }
 
 TEST(RstWindow, QuarterTurnsCopyThePixels) {

@@ -36,20 +36,20 @@ std::vector<PixelOffset> bresenham(int x1, int y1) {
 }  // namespace
 
 void PixelLists::add(const std::vector<PixelOffset>& list) {
-  pixels.insert(pixels.end(), list.begin(), list.end());
+  const auto added = pixels.insert(pixels.end(), list.begin(), list.end());
+  std::sort(added, pixels.end(), in_row_order);
   start.push_back(static_cast<int>(pixels.size()));
 }
 
 OffsetLists offsets_for(const PixelLists& lists, std::ptrdiff_t stride) {
   OffsetLists out;
+  out.offsets.reserve(lists.pixels.size());
   for (int k = 0; k < lists.lists(); ++k) {
     const auto from = lists.pixels.begin() + lists.start[static_cast<std::size_t>(k)];
     const auto to = lists.pixels.begin() + lists.start[static_cast<std::size_t>(k) + 1];
-    std::vector<PixelOffset> sorted(from, to);
-    std::sort(sorted.begin(), sorted.end(), in_row_order);
-    for (const PixelOffset& p : sorted) out.offsets.push_back(static_cast<std::int32_t>(p.dy * stride + p.dx));
+    for (auto p = from; p != to; ++p) out.offsets.push_back(static_cast<std::int32_t>(p->dy * stride + p->dx));
     out.start.push_back(static_cast<int>(out.offsets.size()));
-    out.inverse_length.push_back(1.0f / static_cast<float>(sorted.size()));
+    out.inverse_length.push_back(1.0f / static_cast<float>(to - from));
   }
   return out;
 }

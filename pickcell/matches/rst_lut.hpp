@@ -13,7 +13,7 @@ struct PixelOffset {
   bool operator==(const PixelOffset&) const = default;
 };
 
-/// Several lists of pixels about a common centre.
+/// Several lists of pixels about a common centre, each in the order of rows.
 struct PixelLists {
   std::vector<PixelOffset> pixels;
   std::vector<int> start{0};  ///< list k is pixels[start[k]] .. pixels[start[k + 1] - 1]
@@ -22,7 +22,7 @@ struct PixelLists {
   void add(const std::vector<PixelOffset>& list);
 };
 
-/// The same for a picture with the given stride, each list in the order of rows.
+/// The same for a picture with the given stride.
 struct OffsetLists {
   std::vector<std::int32_t> offsets;
   std::vector<int> start{0};

@@ -23,13 +23,13 @@ struct RstSettings {
   std::optional<std::vector<double>> scales;        ///< unset: by the asked-for range
   std::optional<int> scale_count;                   ///< NS: so many in geometric progression over the range
   PyramidFilter pyramid = PyramidFilter::binomial;  ///< the paper does not name it
-  int smooth = 0;            ///< more passes of [1 2 1] / 4 over template and picture at level NP
-  int circles = 10;          ///< NC
-  int angle_step_deg = 10;   ///< alpha, a divisor of 360
-  double t1 = 0.84;          ///< circular filter
-  double t2 = 0.70;          ///< radial filter
-  double t3 = 0.70;          ///< template filter
-  std::optional<double> t4;  ///< robust filter; unset: SearchOptions::min_score, or t3
+  int smooth = 1;                                   ///< passes of [1 2 1] / 4 over template and picture at level NP
+  int circles = 10;                                 ///< NC
+  int angle_step_deg = 10;                          ///< alpha, a divisor of 360
+  double t1 = 0.84;                                 ///< circular filter
+  double t2 = 0.70;                                 ///< radial filter
+  double t3 = 0.70;                                 ///< template filter
+  std::optional<double> t4;                         ///< robust filter; unset: SearchOptions::min_score, or t3
   RadialLength radial_length = RadialLength::largest;
   int step3_tolerance = 0;      ///< 1: also the neighbouring scales and angles, the best is kept
   double suppress_px = 0;       ///< pixels of level NP between candidates of step 4; 0: keep all

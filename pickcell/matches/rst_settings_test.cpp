@@ -38,7 +38,7 @@ TEST(RstSettings, PaperDefaults) {
   EXPECT_FALSE(s.refine_subpixel);
   EXPECT_FALSE(s.match_negative);
   EXPECT_FALSE(s.t4 || s.scales || s.scale_count || s.pyramid_level);
-  EXPECT_EQ(s.smooth, 0);
+  EXPECT_EQ(s.smooth, 1);
   EXPECT_EQ(s.step3_tolerance, 0);
   EXPECT_EQ(s.suppress_px, 0);
   EXPECT_EQ(s.t_contrast, 0);

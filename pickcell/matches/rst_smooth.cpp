@@ -53,6 +53,37 @@ void rows_1331(const std::uint16_t* HWY_RESTRICT c, std::uint8_t* HWY_RESTRICT o
     out[x] = static_cast<std::uint8_t>((c[2 * x - 1] + c[2 * x + 2] + 3 * (c[2 * x] + c[2 * x + 1]) + 32) >> 6);
 }
 
+/// out[x] = a[x] + 2 b[x] + c[x] for n values.
+void columns_121(const std::uint8_t* HWY_RESTRICT a, const std::uint8_t* HWY_RESTRICT b,
+                 const std::uint8_t* HWY_RESTRICT c, std::uint16_t* HWY_RESTRICT out, int n) {
+  const hn::ScalableTag<std::uint16_t> d16;
+  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16));
+  const auto load = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(d16, hn::LoadU(d8, p)); };
+  int x = 0;
+  for (; x + lanes <= n; x += lanes) {
+    const auto middle = load(b + x);
+    hn::StoreU(hn::Add(hn::Add(load(a + x), load(c + x)), hn::Add(middle, middle)), d16, out + x);
+  }
+  for (; x < n; ++x) out[x] = static_cast<std::uint16_t>(a[x] + 2 * b[x] + c[x]);
+}
+
+/// out[x] = (c[x - 1] + 2 c[x] + c[x + 1] + 8) / 16 for n values, rounding down.
+void rows_121(const std::uint16_t* HWY_RESTRICT c, std::uint8_t* HWY_RESTRICT out, int n) {
+  const hn::ScalableTag<std::uint16_t> d16;
+  const hn::Rebind<std::uint8_t, decltype(d16)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d16));
+  int x = 0;
+  for (; x + lanes <= n; x += lanes) {
+    const auto middle = hn::LoadU(d16, c + x);
+    const auto outer = hn::Add(hn::LoadU(d16, c + x - 1), hn::LoadU(d16, c + x + 1));
+    const auto sum = hn::Add(hn::Add(outer, hn::Set(d16, std::uint16_t{8})), hn::Add(middle, middle));
+    const auto mean = hn::BitCast(hn::RebindToSigned<decltype(d16)>(), hn::ShiftRight<4>(sum));
+    hn::StoreU(hn::DemoteTo(d8, mean), d8, out + x);
+  }
+  for (; x < n; ++x) out[x] = static_cast<std::uint8_t>((c[x - 1] + 2 * c[x] + c[x + 1] + 8) >> 4);
+}
+
 }  // namespace pickcell::matches::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -61,21 +92,21 @@ namespace pickcell::matches {
 
 HWY_EXPORT(columns_1331);
 HWY_EXPORT(rows_1331);
+HWY_EXPORT(columns_121);
+HWY_EXPORT(rows_121);
 
 void smooth(image::ImageView picture, image::Image& out) {
   const int w = picture.width(), h = picture.height();
   out.resize(w, h);
   std::vector<std::uint16_t> column(static_cast<std::size_t>(w) + 2);
+  std::uint16_t* c = column.data() + 1;
+  const auto columns = HWY_DYNAMIC_DISPATCH(columns_121);
+  const auto rows = HWY_DYNAMIC_DISPATCH(rows_121);
   for (int y = 0; y < h; ++y) {
-    const std::uint8_t* up = picture.row(std::max(0, y - 1));
-    const std::uint8_t* here = picture.row(y);
-    const std::uint8_t* down = picture.row(std::min(h - 1, y + 1));
-    std::uint16_t* c = column.data() + 1;
-    for (int x = 0; x < w; ++x) c[x] = static_cast<std::uint16_t>(up[x] + 2 * here[x] + down[x]);
+    columns(picture.row(std::max(0, y - 1)), picture.row(y), picture.row(std::min(h - 1, y + 1)), c, w);
     c[-1] = c[0];
     c[w] = c[w - 1];
-    std::uint8_t* o = out.row(y);
-    for (int x = 0; x < w; ++x) o[x] = static_cast<std::uint8_t>((c[x - 1] + 2 * c[x] + c[x + 1] + 8) >> 4);
+    rows(c, out.row(y), w);
   }
 }
 

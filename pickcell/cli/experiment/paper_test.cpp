@@ -90,6 +90,9 @@ TEST_F(PaperExperiment, Table2WritesASetThatBenchReads) {
   const core::Json medium = figures["table2"]["erst"]["medium"];
   EXPECT_NEAR(*medium["stage_robust"]["ncc_count"].number(),
               480 * 5 * *medium["stage_robust"]["population_mean"].number(), 1e-6);
+  const core::Json ratio = figures["table2"]["erst_over_rst"]["medium"], fast = figures["table2"]["rst"]["medium"];
+  EXPECT_NEAR(*ratio["ncc_count"].number(), *medium["ncc_count"].number() / *fast["ncc_count"].number(), 1e-9);
+  EXPECT_NEAR(*ratio["mean_ms"].number(), *medium["mean_ms"].number() / *fast["mean_ms"].number(), 1e-9);
 }
 
 }  // namespace

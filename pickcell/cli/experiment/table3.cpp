@@ -10,6 +10,7 @@
 #include "pickcell/cli/bench/plots.hpp"
 #include "pickcell/cli/experiment/experiment.hpp"
 #include "pickcell/cli/machine.hpp"
+#include "pickcell/cli/paper_grounds.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 
@@ -157,7 +158,15 @@ core::Result<int> run(const ExperimentOptions& options, Io& io) {
   const std::string report = "Measured on " + machine() + ".\n\n" + sample_table(all, count) +
                              text("Placed %zu of %zu.\n\n", placed, asked) + stage_words(all, count);
   if (auto done = write_all(options, all, report, count); !done) return core::forward(done);
-  io.out << (options.json ? json.dump() + "\n" : report);
+  std::string grounds;
+  if (count == kSamples.size()) {  // a comparison of all of them
+    auto searched = search_on_grounds(count, options.seed);
+    if (!searched) return core::forward(searched);
+    grounds = ground_table(*searched);
+    if (auto done = core::write_file_atomically(options.out / "table3_grounds.md", grounds); !done)
+      return core::forward(done);
+  }
+  io.out << (options.json ? json.dump() + "\n" : report + grounds);
   return placed == asked ? 0 : 1;
 }
 
