@@ -79,24 +79,19 @@ double arm_share_px(double joint_px, double picture_px) {
   return std::sqrt(std::max(0.0, joint_px * joint_px - picture_px * picture_px));
 }
 
-/// The pose that the picture asks of the arm, against the one it has.
-struct PoseError {
-  double mm = 0, deg = 0;
-};
-
-PoseError pose_error(const Station& station, const Eigen::Isometry3d& move, const HandEye& result) {
-  const Eigen::Isometry3d wanted = result.Y * (result.X * station.T_camera_board).inverse();
-  const Eigen::Isometry3d off = move.inverse() * wanted;
-  return {core::mm_from_m(off.translation().norm()), detail::angle_deg(off.linear())};
+/// The error of the pose `move` for the picture of this station.
+detail::ArmError pose_error(const Work& work, Station station, const Eigen::Isometry3d& move, const HandEye& result) {
+  station.move = move;
+  return detail::arm_errors(work.input.lens, work.board_m, {station}, result, work.input.mounting).front();
 }
 
 /// "its pose is 2.1 mm and 0.02 deg off", or that its pose belongs to another picture.
 std::string reason_of(const Work& work, std::size_t i, const HandEye& result, const Stations& all,
                       const std::vector<std::size_t>& all_index) {
-  const PoseError own = pose_error(work.stations[i], work.stations[i].move, result);
+  const detail::ArmError own = pose_error(work, work.stations[i], work.stations[i].move, result);
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (all_index[k] == work.index[i]) continue;
-    const PoseError other = pose_error(work.stations[i], all[k].move, result);
+    const detail::ArmError other = pose_error(work, work.stations[i], all[k].move, result);
     if (other.mm < 0.1 * own.mm + 0.3 && other.deg < 0.1 * own.deg + 0.1 && own.mm + own.deg > 5)
       return "rows swapped: its picture fits the pose of " + work.input.views[all_index[k]].picture.image;
   }
@@ -196,6 +191,7 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
   double sum_px = 0, sum_mm = 0;
   std::size_t points = 0, cast = 0;
   std::vector<double> pictures;
+  const auto arm = detail::arm_errors(work.input.lens, work.board_m, work.stations, result, work.input.mounting);
   for (std::size_t i = 0; i < work.stations.size(); ++i) {
     const Station& s = work.stations[i];
     HandeyeView v;
@@ -205,9 +201,8 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
     v.rms_px = detail::rms(v.residual_px);
     v.picture_rms_px = s.picture_rms_px;
     v.plane_error_mm = plane_error_mm(work, s, result, sum_mm, cast);
-    const PoseError off = pose_error(s, s.move, result);
-    v.arm_mm = off.mm;
-    v.arm_deg = off.deg;
+    v.arm_mm = arm[i].mm;
+    v.arm_deg = arm[i].deg;
     sum_px += v.rms_px * v.rms_px * static_cast<double>(s.view.ids.size());
     points += s.view.ids.size();
     pictures.push_back(s.picture_rms_px);
@@ -257,14 +252,10 @@ void judge_fit(HandeyeFit& out, bool poses_left_out) {
 }
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.
-std::string scatter_of_poses(const HandeyeFit& out) {
-  std::vector<double> mm, deg;
-  for (const HandeyeView& v : out.views) {
-    mm.push_back(v.arm_mm);
-    deg.push_back(v.arm_deg);
-  }
-  return "pose error: the arm's poses and the pictures disagree by " + figure(*core::median(mm), 1) + " mm and " +
-         figure(*core::median(deg), 2) + " deg (median)";
+std::string scatter_of_poses(const Work& work, const HandEye& result) {
+  const auto size = detail::arm_scatter(work.input.lens, work.board_m, work.stations, result, work.input.mounting);
+  return "pose error: the arm's poses are wrong by " + figure(size.mm, 2) + " mm and " + figure(size.deg, 3) +
+         " deg (RMS)";
 }
 
 }  // namespace
@@ -294,7 +285,7 @@ core::Result<HandeyeFit> detail::fit_with_lens(const HandeyeInput& input) {
       out.fault = units;
     judge_fit(out, out.left_out.size() > without_pose);
     if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
-      out.why += "; " + scatter_of_poses(out);
+      out.why += "; " + scatter_of_poses(work, result);
   }
   fill_calibration(work, result, out);
   return out;

@@ -60,6 +60,23 @@ constexpr std::array<Solver, 5> kSolvers{Solver::park, Solver::horaud, Solver::t
 /// Why these motions cannot be solved, or "": hardly any rotation, or rotations about one axis only.
 [[nodiscard]] std::string unsolvable(const Stations& stations);
 
+/// The motion in the arm's own frame that would turn its pose into the one that the station's picture asks for.
+[[nodiscard]] Eigen::Isometry3d asked_of_arm(const Station& station, const Eigen::Isometry3d& move,
+                                             const HandEye& result, Mounting mounting);
+
+/// Sizes of an error of the arm's pose: its position, and the turn about it.
+struct ArmError {
+  double mm = 0, deg = 0;
+};
+
+/// RMS error of the arm's poses: what the pictures ask of them, less what the pixels' noise makes the pictures ask
+/// (maximum likelihood; a picture knows place and direction of the board together far better than each alone).
+[[nodiscard]] ArmError arm_scatter(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+                                   const Stations& stations, const HandEye& result, Mounting mounting);
+/// The likeliest error of every station's pose, by the same account.
+[[nodiscard]] std::vector<ArmError> arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+                                               const Stations& stations, const HandEye& result, Mounting mounting);
+
 /// Another reading of the input that explains it better.
 struct Explanation {
   std::string fault;     ///< the kind, for a person
