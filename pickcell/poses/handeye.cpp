@@ -82,7 +82,7 @@ double arm_share_px(double joint_px, double picture_px) {
 /// The error of the pose `move` for the picture of this station.
 detail::ArmError pose_error(const Work& work, Station station, const Eigen::Isometry3d& move, const HandEye& result) {
   station.move = move;
-  return detail::arm_errors(work.input.lens, work.board_m, {station}, result, work.input.mounting).front();
+  return detail::arm_errors(work.input.lens, work.board_m, {station}, result, work.input.mounting).each.front();
 }
 
 /// "its pose is 2.1 mm and 0.02 deg off", or that its pose belongs to another picture.
@@ -201,8 +201,8 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
     v.rms_px = detail::rms(v.residual_px);
     v.picture_rms_px = s.picture_rms_px;
     v.plane_error_mm = plane_error_mm(work, s, result, sum_mm, cast);
-    v.arm_mm = arm[i].mm;
-    v.arm_deg = arm[i].deg;
+    v.arm_mm = arm.each[i].mm;
+    v.arm_deg = arm.each[i].deg;
     sum_px += v.rms_px * v.rms_px * static_cast<double>(s.view.ids.size());
     points += s.view.ids.size();
     pictures.push_back(s.picture_rms_px);
@@ -253,7 +253,7 @@ void judge_fit(HandeyeFit& out, bool poses_left_out) {
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.
 std::string scatter_of_poses(const Work& work, const HandEye& result) {
-  const auto size = detail::arm_scatter(work.input.lens, work.board_m, work.stations, result, work.input.mounting);
+  const auto size = detail::arm_errors(work.input.lens, work.board_m, work.stations, result, work.input.mounting).rms;
   return "pose error: the arm's poses are wrong by " + figure(size.mm, 2) + " mm and " + figure(size.deg, 3) +
          " deg (RMS)";
 }

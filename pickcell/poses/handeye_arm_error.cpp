@@ -84,47 +84,60 @@ std::vector<Demand> demands(const Lens& lens, const std::vector<Eigen::Vector2d>
   return out;
 }
 
-Vector6 prior(double mm, double deg) {
+/// Variances of an error of this RMS length.
+Vector6 prior(const ArmError& size) {
   Vector6 v;
-  v.head<3>().setConstant(std::pow(core::m_from_mm(mm), 2) / 3);
-  v.tail<3>().setConstant(std::pow(core::rad_from_deg(deg), 2) / 3);
+  v.head<3>().setConstant(std::pow(core::m_from_mm(size.mm), 2) / 3);
+  v.tail<3>().setConstant(std::pow(core::rad_from_deg(size.deg), 2) / 3);
   return v;
 }
 
-double minus_log_likelihood(const std::vector<Demand>& demands, const ArmError& size) {
-  const Vector6 variances = prior(size.mm, size.deg);
+/// What explains the demands: errors of the arm, and how much worse than their pixels' noise the pictures are (a lens
+/// or a board that is not quite as calibrated bends a board's pose where no residual shows it).
+struct Account {
+  ArmError arm;
+  double pictures = 1;  ///< factor of standard deviations
+};
+
+double minus_log_likelihood(const std::vector<Demand>& demands, const Account& account) {
+  const Vector6 variances = prior(account.arm);
   double sum = 0;
   for (const Demand& d : demands) {
-    Matrix6 S = d.covariance;
+    Matrix6 S = account.pictures * account.pictures * d.covariance;
     S.diagonal() += variances;
     const Eigen::LLT<Matrix6> llt(S);
     const Vector6 whitened = llt.matrixL().solve(d.error);
-    sum += whitened.squaredNorm() + 2 * Matrix6(llt.matrixL()).diagonal().array().log().sum();
+    sum += whitened.squaredNorm() + 2 * llt.matrixLLT().diagonal().array().log().sum();
   }
   return sum;
 }
 
-/// The sizes of wrong positions and wrong rotations that make these demands most likely.
-ArmError likeliest(const std::vector<Demand>& demands) {
+/// The likeliest account: a coarse grid, then ever smaller steps. The factor of the pictures is sought where allowed.
+Account likeliest(const std::vector<Demand>& demands, double most_pictures) {
   const auto sizes = [](double least, double most) {
-    std::vector<double> out{0};
-    for (double s = least; s <= most; s *= 1.5) out.push_back(s);
+    std::vector<double> out;
+    for (double s = least; s <= most; s *= 2) out.push_back(s);
     return out;
   };
-  ArmError best;
+  Account best;
   double least = std::numeric_limits<double>::max();
-  const auto consider = [&](const ArmError& size) {
-    const double cost = minus_log_likelihood(demands, size);
+  const auto consider = [&](const Account& account) {
+    const double cost = minus_log_likelihood(demands, account);
     if (cost >= least) return;
     least = cost;
-    best = size;
+    best = account;
   };
-  for (const double mm : sizes(0.01, 300))
-    for (const double deg : sizes(0.001, 60)) consider({mm, deg});
-  for (double factor = 1.2; factor > 1.02; factor = std::sqrt(factor)) {
-    const ArmError around = best;
+  for (const double mm : sizes(0.005, 300))
+    for (const double deg : sizes(0.0005, 60))
+      for (const double pictures : sizes(1, most_pictures)) consider({{mm, deg}, pictures});
+  for (double factor = 1.4; factor > 1.02; factor = std::sqrt(factor)) {
+    const Account around = best;
     for (const double a : {1 / factor, 1.0, factor})
-      for (const double b : {1 / factor, 1.0, factor}) consider({around.mm * a, around.deg * b});
+      for (const double b : {1 / factor, 1.0, factor})
+        for (const double c : {1 / factor, 1.0, factor}) {
+          const double pictures = std::clamp(around.pictures * c, 1.0, most_pictures);
+          consider({{around.arm.mm * a, around.arm.deg * b}, pictures});
+        }
   }
   return best;
 }
@@ -137,21 +150,21 @@ Eigen::Isometry3d asked_of_arm(const Station& station, const Eigen::Isometry3d& 
   return mounting == Mounting::eye_in_hand ? move.inverse() * wanted : move * wanted.inverse();
 }
 
-ArmError arm_scatter(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m, const Stations& stations,
+ArmErrors arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m, const Stations& stations,
                      const HandEye& result, Mounting mounting) {
-  return likeliest(demands(lens, board_m, stations, result, mounting));
-}
-
-std::vector<ArmError> arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
-                                 const Stations& stations, const HandEye& result, Mounting mounting) {
-  std::vector<ArmError> out;
-  for (const Demand& d : demands(lens, board_m, stations, result, mounting)) {
-    const ArmError size = likeliest({d});
-    const Vector6 variances = prior(size.mm, size.deg);
+  constexpr std::size_t kEnough = 6;  // to tell an error of the pictures from one of the arm
+  constexpr double kMostPictures = 64;
+  const auto all = demands(lens, board_m, stations, result, mounting);
+  const Account account = likeliest(all, all.size() < kEnough ? 1 : kMostPictures);
+  ArmErrors out;
+  out.rms = account.arm;
+  for (Demand d : all) {
+    d.covariance *= account.pictures * account.pictures;
+    const Vector6 variances = prior(likeliest({d}, 1).arm);
     Matrix6 S = d.covariance;
     S.diagonal() += variances;
     const Vector6 error = variances.asDiagonal() * S.ldlt().solve(d.error);
-    out.push_back({core::mm_from_m(error.head<3>().norm()), core::deg_from_rad(error.tail<3>().norm())});
+    out.each.push_back({core::mm_from_m(error.head<3>().norm()), core::deg_from_rad(error.tail<3>().norm())});
   }
   return out;
 }

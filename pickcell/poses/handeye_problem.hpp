@@ -69,13 +69,15 @@ struct ArmError {
   double mm = 0, deg = 0;
 };
 
-/// RMS error of the arm's poses: what the pictures ask of them, less what the pixels' noise makes the pictures ask
-/// (maximum likelihood; a picture knows place and direction of the board together far better than each alone).
-[[nodiscard]] ArmError arm_scatter(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+/// RMS over the stations, and the likeliest error of every station's pose.
+struct ArmErrors {
+  ArmError rms;
+  std::vector<ArmError> each;
+};
+/// What the pictures ask of the arm's poses, less what noise makes the pictures ask (maximum likelihood): a picture
+/// knows place and direction of the board together far better than each alone.
+[[nodiscard]] ArmErrors arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
                                    const Stations& stations, const HandEye& result, Mounting mounting);
-/// The likeliest error of every station's pose, by the same account.
-[[nodiscard]] std::vector<ArmError> arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
-                                               const Stations& stations, const HandEye& result, Mounting mounting);
 
 /// Another reading of the input that explains it better.
 struct Explanation {
