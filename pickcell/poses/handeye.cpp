@@ -125,38 +125,17 @@ HandEye leave_out_bad_poses(Work& work, HandEye result) {
   }
 }
 
-double plane_error_mm(const Work& work, const Station& station, const HandEye& result, double& sum_mm,
-                      std::size_t& count) {
-  const Eigen::Isometry3d T_board_camera = ((station.move * result.X).inverse() * result.Y).inverse();
-  double sum = 0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < station.view.ids.size(); ++i) {
-    const auto ray = undistort(work.input.lens, station.view.pixels[i]);
-    if (!ray) continue;
-    const Eigen::Vector3d along = T_board_camera.linear() * Eigen::Vector3d(ray->x(), ray->y(), 1);
-    const Eigen::Vector3d from = T_board_camera.translation();
-    const Eigen::Vector2d hit = (from - along * (from.z() / along.z())).head<2>();
-    sum += core::mm_from_m((hit - work.board_m[static_cast<std::size_t>(station.view.ids[i])]).norm());
-    ++n;
-  }
-  sum_mm += sum;
-  count += n;
-  return n ? sum / static_cast<double>(n) : 0;
-}
-
 double holdout_mm(const Work& work, const HandEye& result) {
   const std::size_t n = work.stations.size(), folds = std::min<std::size_t>(n, 10);
   if (n <= kFewest) return std::numeric_limits<double>::quiet_NaN();
-  double sum = 0;
-  std::size_t count = 0;
+  std::vector<detail::OnPlane> predicted;
   for (std::size_t fold = 0; fold < folds; ++fold) {
-    Stations training;
-    for (std::size_t i = 0; i < n; ++i)
-      if (i % folds != fold) training.push_back(work.stations[i]);
+    Stations training, held_out;
+    for (std::size_t i = 0; i < n; ++i) (i % folds != fold ? training : held_out).push_back(work.stations[i]);
     const HandEye fit = detail::refine(work.input.lens, work.board_m, training, result);
-    for (std::size_t i = fold; i < n; i += folds) plane_error_mm(work, work.stations[i], fit, sum, count);
+    for (auto& picture : detail::on_plane(work.input.lens, work.board_m, held_out, fit)) predicted.push_back(picture);
   }
-  return sum / static_cast<double>(std::max<std::size_t>(1, count));
+  return detail::mean_mm(predicted);
 }
 
 /// The five solvers over the good poses, each refined from; the best refined one wins.
@@ -188,9 +167,10 @@ HandEye run_solvers(const Work& work, const HandEye& robust, HandeyeFit& out) {
 }
 
 void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
-  double sum_px = 0, sum_mm = 0;
-  std::size_t points = 0, cast = 0;
+  double sum_px = 0;
+  std::size_t points = 0;
   std::vector<double> pictures;
+  const auto on_plane = detail::on_plane(work.input.lens, work.board_m, work.stations, result);
   const auto arm = detail::arm_errors(work.input.lens, work.board_m, work.stations, result, work.input.mounting);
   for (std::size_t i = 0; i < work.stations.size(); ++i) {
     const Station& s = work.stations[i];
@@ -200,7 +180,7 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
     v.residual_px = detail::residuals_px(work.input.lens, work.board_m, s, result);
     v.rms_px = detail::rms(v.residual_px);
     v.picture_rms_px = s.picture_rms_px;
-    v.plane_error_mm = plane_error_mm(work, s, result, sum_mm, cast);
+    v.plane_error_mm = on_plane[i].mean_mm;
     v.arm_mm = arm.each[i].mm;
     v.arm_deg = arm.each[i].deg;
     sum_px += v.rms_px * v.rms_px * static_cast<double>(s.view.ids.size());
@@ -209,7 +189,8 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
     out.views.push_back(std::move(v));
   }
   out.rms_px = std::sqrt(sum_px / static_cast<double>(std::max<std::size_t>(1, points)));
-  out.plane_error_mm = sum_mm / static_cast<double>(std::max<std::size_t>(1, cast));
+  out.plane_error_mm = detail::mean_mm(on_plane);
+  out.calibration.sigma = detail::pick_sigma(on_plane);
   out.picture_rms_px = *core::median(pictures);
   out.spread = detail::spread_of(detail::board_places(work.stations, result.X));
   out.holdout_mm = holdout_mm(work, result);
@@ -284,7 +265,9 @@ core::Result<HandeyeFit> detail::fit_with_lens(const HandeyeInput& input) {
     else if (const std::string units = detail::suspicious_units(input.views); !units.empty())
       out.fault = units;
     judge_fit(out, out.left_out.size() > without_pose);
-    if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
+    const bool scattered =
+        out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good || out.spread.deg > kSpreadDeg.good;
+    if (out.fault.empty() && scattered)
       out.why += "; " + scatter_of_poses(work, result);
   }
   fill_calibration(work, result, out);

@@ -165,6 +165,7 @@ std::vector<Reading> readings(std::size_t views) {
                with_angles(core::rad_from_deg(1))),
       of_poses("positions: millimetres were given as metres (1000 times too large)", always, with_position(1e-3)),
       of_poses("positions: metres were given as millimetres (1000 times too small)", always, with_position(1e3)),
+      of_poses("positions are in centimetres", always, with_position(10)),
       of_poses("positions are in inches", always, with_position(25.4)),
       of_poses("the order of the rotations is Rx*Ry*Rz instead of Rz*Ry*Rx", euler, rotations_reversed),
       of_poses("the columns rx and rz are swapped", euler, angles_backwards),
@@ -218,8 +219,10 @@ std::optional<Explanation> other_square(const HandeyeInput& input, const Station
         least = e;
         best = s;
       }
-  return Explanation{"the board's squares are " + figure(core::mm_from_m(input.board.spacing_m) * best, 2) +
-                         " mm, not " + figure(core::mm_from_m(input.board.spacing_m), 2) + " mm",
+  const bool dots = input.board.kind == BoardKind::circles || input.board.kind == BoardKind::asymmetric_circles;
+  const std::string what = dots ? "the board's circles stand apart by " : "the board's squares are ";
+  return Explanation{what + figure(core::mm_from_m(input.board.spacing_m) * best, 2) + " mm, not " +
+                         figure(core::mm_from_m(input.board.spacing_m), 2) + " mm",
                      least};
 }
 

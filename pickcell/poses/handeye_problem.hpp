@@ -79,6 +79,19 @@ struct ArmErrors {
 [[nodiscard]] ArmErrors arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
                                    const Stations& stations, const HandEye& result, Mounting mounting);
 
+/// One picture on the board's plane: mean distance between the points cast by arm, X and Y and their nominal places,
+/// and the rigid motion that they share.
+struct OnPlane {
+  std::size_t points = 0;
+  double mean_mm = 0, shift_mm = 0, turn_deg = 0;
+};
+[[nodiscard]] std::vector<OnPlane> on_plane(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+                                            const Stations& stations, const HandEye& result);
+/// Over all points of all pictures.
+[[nodiscard]] double mean_mm(const std::vector<OnPlane>& pictures);
+/// Standard deviations of what a further picture would be off by, from the motions of these.
+[[nodiscard]] PickSigma pick_sigma(const std::vector<OnPlane>& pictures);
+
 /// Another reading of the input that explains it better.
 struct Explanation {
   std::string fault;     ///< the kind, for a person
