@@ -125,17 +125,43 @@ HandEye leave_out_bad_poses(Work& work, HandEye result) {
   }
 }
 
-double holdout_mm(const Work& work, const HandEye& result) {
+/// Fits without a tenth of the pictures at a time.
+struct Folds {
+  double holdout_mm = std::numeric_limits<double>::quiet_NaN();
+  std::vector<HandEye> fits;
+};
+
+Folds leave_out_in_turn(const Work& work, const HandEye& result) {
   const std::size_t n = work.stations.size(), folds = std::min<std::size_t>(n, 10);
-  if (n <= kFewest) return std::numeric_limits<double>::quiet_NaN();
+  Folds out;
+  if (n <= kFewest) return out;
   std::vector<detail::OnPlane> predicted;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Stations training, held_out;
     for (std::size_t i = 0; i < n; ++i) (i % folds != fold ? training : held_out).push_back(work.stations[i]);
-    const HandEye fit = detail::refine(work.input.lens, work.board_m, training, result);
-    for (auto& picture : detail::on_plane(work.input.lens, work.board_m, held_out, fit)) predicted.push_back(picture);
+    out.fits.push_back(detail::refine(work.input.lens, work.board_m, training, result));
+    for (auto& p : detail::on_plane(work.input.lens, work.board_m, held_out, out.fits.back())) predicted.push_back(p);
   }
-  return detail::mean_mm(predicted);
+  out.holdout_mm = detail::mean_mm(predicted);
+  return out;
+}
+
+/// What the camera's place is off by, as the fits without some pictures scatter (jackknife): the board, whose place is
+/// fitted too, hides it from every residual. At the boards' mean place before the camera, across its axis and about it.
+PickSigma sigma_of_camera(const Work& work, const HandEye& result, const std::vector<HandEye>& fits) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  const Eigen::Vector2d half = 0.5 * work.board_m.back();
+  for (const Station& s : work.stations)
+    middle += s.T_camera_board * Eigen::Vector3d(half.x(), half.y(), 0) / static_cast<double>(work.stations.size());
+  double place2 = 0, turn2 = 0;
+  for (const HandEye& fit : fits) {
+    const Eigen::Isometry3d off = result.X.inverse() * fit.X;
+    place2 += (off * middle - middle).head<2>().squaredNorm() / 2;
+    turn2 += std::pow(std::atan2(off.linear()(1, 0), off.linear()(0, 0)), 2);
+  }
+  const double folds = std::max<double>(1, static_cast<double>(fits.size()));
+  const double factor = (folds - 1) / folds;
+  return {core::mm_from_m(std::sqrt(factor * place2)), core::deg_from_rad(std::sqrt(factor * turn2))};
 }
 
 /// The five solvers over the good poses, each refined from; the best refined one wins.
@@ -190,10 +216,13 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
   }
   out.rms_px = std::sqrt(sum_px / static_cast<double>(std::max<std::size_t>(1, points)));
   out.plane_error_mm = detail::mean_mm(on_plane);
-  out.calibration.sigma = detail::pick_sigma(on_plane);
   out.picture_rms_px = *core::median(pictures);
   out.spread = detail::spread_of(detail::board_places(work.stations, result.X));
-  out.holdout_mm = holdout_mm(work, result);
+  const Folds folds = leave_out_in_turn(work, result);
+  out.holdout_mm = folds.holdout_mm;
+  const PickSigma arm_sigma = detail::pick_sigma(on_plane), camera = sigma_of_camera(work, result, folds.fits);
+  out.calibration.sigma = {std::hypot(arm_sigma.place_mm, camera.place_mm),
+                           std::hypot(arm_sigma.turn_deg, camera.turn_deg)};
 }
 
 void fill_calibration(const Work& work, const HandEye& result, HandeyeFit& out) {
@@ -267,8 +296,7 @@ core::Result<HandeyeFit> detail::fit_with_lens(const HandeyeInput& input) {
     judge_fit(out, out.left_out.size() > without_pose);
     const bool scattered =
         out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good || out.spread.deg > kSpreadDeg.good;
-    if (out.fault.empty() && scattered)
-      out.why += "; " + scatter_of_poses(work, result);
+    if (out.fault.empty() && scattered) out.why += "; " + scatter_of_poses(work, result);
   }
   fill_calibration(work, result, out);
   return out;
