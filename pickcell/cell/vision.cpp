@@ -28,7 +28,8 @@ Vision::Vision(std::unique_ptr<matches::Engine> engine, std::vector<matches::Mod
   fixed_view_.lens = settings_.camera.lens;
   fixed_view_.T_base_camera = settings_.plane.T_base_camera;
   fixed_view_.T_base_plane = settings_.plane.T_base_plane;
-  fixed_view_.sigma_position_m = core::m_from_mm(settings_.plane.rms_mm);
+  fixed_view_.sigma_position_m = core::m_from_mm(settings_.plane.sigma.place_mm);
+  fixed_view_.sigma_turn_rad = core::rad_from_deg(settings_.plane.sigma.turn_deg);
 }
 
 core::Result<poses::View> Vision::view_of(const frames::Frame& frame) const {

@@ -51,6 +51,11 @@ std::optional<core::Transform<To, From>> read_transform_if(Config& file, std::st
   return read_transform<To, From>(file, key);
 }
 
+/// Files of before had none: the error of the fit stands for the place's.
+PickSigma read_sigma(Config& file, double else_mm) {
+  return {file.number_or("sigma_place_mm", else_mm), file.number_or("sigma_turn_deg", 0)};
+}
+
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -72,6 +77,10 @@ std::ostringstream toml_stream() {
   std::ostringstream out;
   out.precision(17);
   return out;
+}
+
+void write_sigma(std::ostream& out, const PickSigma& sigma) {
+  out << "sigma_place_mm = " << sigma.place_mm << "\nsigma_turn_deg = " << sigma.turn_deg << "\n";
 }
 
 std::string checksum_of(std::string_view text) {
@@ -146,6 +155,7 @@ core::Result<PlaneCalibration> load_plane(const std::filesystem::path& path) {
   out.T_base_camera = out.T_base_plane * read_transform<core::Camera, core::Plane>(file, "T_camera_plane").inverse();
   out.camera = file.string("camera");
   out.rms_mm = file.number("rms_mm");
+  out.sigma = read_sigma(file, out.rms_mm);
   out.verdict = read_verdict(file);
   out.date = file.string("date");
   out.board_frame_only = file.boolean_or("board_frame_only", false);
@@ -179,6 +189,7 @@ core::Status save_plane(const std::filesystem::path& path, const PlaneCalibratio
   write_matrix(out, "T_camera_plane", (plane.T_base_camera.inverse() * plane.T_base_plane).matrix());
   out << "camera = " << quoted(plane.camera) << "\nrms_mm = " << plane.rms_mm
       << "\nverdict = " << quoted(name(plane.verdict)) << "\ndate = " << quoted(plane.date) << "\n";
+  write_sigma(out, plane.sigma);
   if (plane.board_frame_only) out << "board_frame_only = true\n";
   if (!plane.board.empty()) out << "board = " << quoted(plane.board) << "\n";
   if (plane.T_camera_board) write_matrix(out, "T_camera_board", plane.T_camera_board->matrix());
@@ -200,6 +211,7 @@ core::Result<HandeyeCalibration> load_handeye(const std::filesystem::path& path)
   out.board = file.string_or("board", "");
   out.spread_mm = file.number("spread_mm");
   out.plane_error_mm = file.number_or("plane_error_mm", out.spread_mm);
+  out.sigma = read_sigma(file, out.plane_error_mm);
   out.verdict = read_verdict(file);
   out.date = file.string("date");
   auto status = file.finish();
@@ -217,6 +229,7 @@ core::Status save_handeye(const std::filesystem::path& path, const HandeyeCalibr
   out << "camera = " << quoted(handeye.camera) << "\nspread_mm = " << handeye.spread_mm
       << "\nplane_error_mm = " << handeye.plane_error_mm << "\nverdict = " << quoted(name(handeye.verdict))
       << "\ndate = " << quoted(handeye.date) << "\n";
+  write_sigma(out, handeye.sigma);
   return core::write_file_atomically(path, out.str());
 }
 

@@ -27,6 +27,12 @@ struct CameraCalibration {
   std::string checksum;  ///< "crc32:XXXXXXXX" of the file; set by loading and saving
 };
 
+/// Standard deviations that a calibration adds to a place on the work plane: per axis, and of the direction there,
+/// which turns places about the middle of what was calibrated.
+struct PickSigma {
+  double place_mm = 0, turn_deg = 0;
+};
+
 /// A fixed camera over a work plane. The file holds, beside the keys of interfaces.md, T_camera_plane: the camera
 /// stands where it stands over the plane, so that whoever corrects T_base_plane moves what is seen with it.
 struct PlaneCalibration {
@@ -34,6 +40,7 @@ struct PlaneCalibration {
   core::Transform<core::Base, core::Camera> T_base_camera;
   std::string camera;  ///< checksum of the camera.toml it was made with
   double rms_mm = 0;
+  PickSigma sigma;  ///< about the origin of the plane's frame
   Verdict verdict = Verdict::reject;
   std::string date;
   bool board_frame_only =
@@ -53,6 +60,7 @@ struct HandeyeCalibration {
   std::string camera;  ///< checksum of the camera.toml it was made with
   double spread_mm = 0;
   double plane_error_mm = 0;
+  PickSigma sigma;  ///< about the middle of the picture
   Verdict verdict = Verdict::reject;
   std::string date;
 };

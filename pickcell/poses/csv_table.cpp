@@ -18,15 +18,22 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r\"") - begin + 1);
 }
 
-std::vector<std::string> fields_of(std::string_view line) {
+std::vector<std::string> fields_of(std::string_view line, char separator) {
   std::vector<std::string> out;
   while (out.size() <= kMaxColumns) {
-    const std::size_t comma = line.find(',');
-    out.emplace_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) break;
-    line.remove_prefix(comma + 1);
+    const std::size_t at = line.find(separator);
+    out.emplace_back(trimmed(line.substr(0, at)));
+    if (at == std::string_view::npos) break;
+    line.remove_prefix(at + 1);
   }
   return out;
+}
+
+/// Titles hold none of these: the header says what spreadsheets of other countries write between fields.
+char separator_of(std::string_view header) {
+  for (const char c : {',', ';', '\t'})
+    if (header.find(c) != std::string_view::npos) return c;
+  return ',';
 }
 
 }  // namespace
@@ -35,12 +42,14 @@ core::Result<CsvTable> CsvTable::parse(std::string_view text, std::string name) 
   CsvTable out;
   out.name_ = std::move(name);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  char separator = ',';
   for (int line = 1; !text.empty(); ++line) {
     const std::size_t end = text.find('\n');
     const std::string_view whole = trimmed(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (whole.empty() || whole.front() == '#') continue;
-    auto fields = fields_of(whole);
+    if (out.header_.empty()) separator = separator_of(whole);
+    auto fields = fields_of(whole, separator);
     if (out.header_.empty()) {
       if (fields.size() > kMaxColumns) return failure(ErrorCode::unreadable, out.name_, "has too many columns");
       out.header_ = std::move(fields);
@@ -52,7 +61,7 @@ core::Result<CsvTable> CsvTable::parse(std::string_view text, std::string name) 
       return out.bad_row(row,
                          "has " + std::to_string(out.rows_.back().fields.size()) + " fields, the header " +
                              std::to_string(out.header_.size()),
-                         "write one value for every title, with commas between them");
+                         "write one value for every title, separated as the titles are");
     if (row >= kMaxRows) return failure(ErrorCode::unreadable, out.name_, "has more than 10000 rows");
   }
   if (out.header_.empty()) return failure(ErrorCode::unreadable, out.name_, "is empty", "begin with a header line");
@@ -79,7 +88,8 @@ core::Result<double> CsvTable::number(std::size_t row, std::size_t column) const
   const char* end = field.data() + field.size();
   const auto [used, error] = std::from_chars(begin, end, value);
   if (error != std::errc{} || used != end)
-    return bad_row(row, header_[column] + " is '" + field + "', which is no number", "write plain numbers");
+    return bad_row(row, header_[column] + " is '" + field + "', which is no number",
+                   field.find(',') == std::string::npos ? "write plain numbers" : "write a decimal point, no comma");
   if (!std::isfinite(value))
     return bad_row(row, header_[column] + " is " + field + ", which is not finite", "record this pose again");
   return value;

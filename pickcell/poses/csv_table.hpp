@@ -1,5 +1,5 @@
 #pragma once
-/// Small comma-separated tables with a header line.
+/// Small tables of text with a header line, separated by commas, semicolons or tabs.
 
 #include <optional>
 #include <string>
@@ -12,7 +12,8 @@ namespace pickcell::poses {
 
 class CsvTable {
  public:
-  /// Blank lines and lines that begin with '#' are skipped; blanks around fields, CR and a byte order mark too. Every
+  /// Blank lines and lines that begin with '#' are skipped; blanks around fields, CR and a byte order mark too. The
+  /// header says what separates: a comma, else a semicolon, else a tab; numbers have a decimal point in any case. Every
   /// row must have as many fields as the header; at most 10000 rows, 64 columns. name: for errors.
   [[nodiscard]] static core::Result<CsvTable> parse(std::string_view text, std::string name);
 

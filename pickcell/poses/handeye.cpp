@@ -79,24 +79,19 @@ double arm_share_px(double joint_px, double picture_px) {
   return std::sqrt(std::max(0.0, joint_px * joint_px - picture_px * picture_px));
 }
 
-/// The pose that the picture asks of the arm, against the one it has.
-struct PoseError {
-  double mm = 0, deg = 0;
-};
-
-PoseError pose_error(const Station& station, const Eigen::Isometry3d& move, const HandEye& result) {
-  const Eigen::Isometry3d wanted = result.Y * (result.X * station.T_camera_board).inverse();
-  const Eigen::Isometry3d off = move.inverse() * wanted;
-  return {core::mm_from_m(off.translation().norm()), detail::angle_deg(off.linear())};
+/// The error of the pose `move` for the picture of this station.
+detail::ArmError pose_error(const Work& work, Station station, const Eigen::Isometry3d& move, const HandEye& result) {
+  station.move = move;
+  return detail::arm_errors(work.input.lens, work.board_m, {station}, result, work.input.mounting).each.front();
 }
 
 /// "its pose is 2.1 mm and 0.02 deg off", or that its pose belongs to another picture.
 std::string reason_of(const Work& work, std::size_t i, const HandEye& result, const Stations& all,
                       const std::vector<std::size_t>& all_index) {
-  const PoseError own = pose_error(work.stations[i], work.stations[i].move, result);
+  const detail::ArmError own = pose_error(work, work.stations[i], work.stations[i].move, result);
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (all_index[k] == work.index[i]) continue;
-    const PoseError other = pose_error(work.stations[i], all[k].move, result);
+    const detail::ArmError other = pose_error(work, work.stations[i], all[k].move, result);
     if (other.mm < 0.1 * own.mm + 0.3 && other.deg < 0.1 * own.deg + 0.1 && own.mm + own.deg > 5)
       return "rows swapped: its picture fits the pose of " + work.input.views[all_index[k]].picture.image;
   }
@@ -130,38 +125,43 @@ HandEye leave_out_bad_poses(Work& work, HandEye result) {
   }
 }
 
-double plane_error_mm(const Work& work, const Station& station, const HandEye& result, double& sum_mm,
-                      std::size_t& count) {
-  const Eigen::Isometry3d T_board_camera = ((station.move * result.X).inverse() * result.Y).inverse();
-  double sum = 0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < station.view.ids.size(); ++i) {
-    const auto ray = undistort(work.input.lens, station.view.pixels[i]);
-    if (!ray) continue;
-    const Eigen::Vector3d along = T_board_camera.linear() * Eigen::Vector3d(ray->x(), ray->y(), 1);
-    const Eigen::Vector3d from = T_board_camera.translation();
-    const Eigen::Vector2d hit = (from - along * (from.z() / along.z())).head<2>();
-    sum += core::mm_from_m((hit - work.board_m[static_cast<std::size_t>(station.view.ids[i])]).norm());
-    ++n;
+/// Fits without a tenth of the pictures at a time.
+struct Folds {
+  double holdout_mm = std::numeric_limits<double>::quiet_NaN();
+  std::vector<HandEye> fits;
+};
+
+Folds leave_out_in_turn(const Work& work, const HandEye& result) {
+  const std::size_t n = work.stations.size(), folds = std::min<std::size_t>(n, 10);
+  Folds out;
+  if (n <= kFewest) return out;
+  std::vector<detail::OnPlane> predicted;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    Stations training, held_out;
+    for (std::size_t i = 0; i < n; ++i) (i % folds != fold ? training : held_out).push_back(work.stations[i]);
+    out.fits.push_back(detail::refine(work.input.lens, work.board_m, training, result));
+    for (auto& p : detail::on_plane(work.input.lens, work.board_m, held_out, out.fits.back())) predicted.push_back(p);
   }
-  sum_mm += sum;
-  count += n;
-  return n ? sum / static_cast<double>(n) : 0;
+  out.holdout_mm = detail::mean_mm(predicted);
+  return out;
 }
 
-double holdout_mm(const Work& work, const HandEye& result) {
-  const std::size_t n = work.stations.size(), folds = std::min<std::size_t>(n, 10);
-  if (n <= kFewest) return std::numeric_limits<double>::quiet_NaN();
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    Stations training;
-    for (std::size_t i = 0; i < n; ++i)
-      if (i % folds != fold) training.push_back(work.stations[i]);
-    const HandEye fit = detail::refine(work.input.lens, work.board_m, training, result);
-    for (std::size_t i = fold; i < n; i += folds) plane_error_mm(work, work.stations[i], fit, sum, count);
+/// What the camera's place is off by, as the fits without some pictures scatter (jackknife): the board, whose place is
+/// fitted too, hides it from every residual. At the boards' mean place before the camera, across its axis and about it.
+PickSigma sigma_of_camera(const Work& work, const HandEye& result, const std::vector<HandEye>& fits) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  const Eigen::Vector2d half = 0.5 * work.board_m.back();
+  for (const Station& s : work.stations)
+    middle += s.T_camera_board * Eigen::Vector3d(half.x(), half.y(), 0) / static_cast<double>(work.stations.size());
+  double place2 = 0, turn2 = 0;
+  for (const HandEye& fit : fits) {
+    const Eigen::Isometry3d off = result.X.inverse() * fit.X;
+    place2 += (off * middle - middle).head<2>().squaredNorm() / 2;
+    turn2 += std::pow(std::atan2(off.linear()(1, 0), off.linear()(0, 0)), 2);
   }
-  return sum / static_cast<double>(std::max<std::size_t>(1, count));
+  const double folds = std::max<double>(1, static_cast<double>(fits.size()));
+  const double factor = (folds - 1) / folds;
+  return {core::mm_from_m(std::sqrt(factor * place2)), core::deg_from_rad(std::sqrt(factor * turn2))};
 }
 
 /// The five solvers over the good poses, each refined from; the best refined one wins.
@@ -193,9 +193,11 @@ HandEye run_solvers(const Work& work, const HandEye& robust, HandeyeFit& out) {
 }
 
 void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
-  double sum_px = 0, sum_mm = 0;
-  std::size_t points = 0, cast = 0;
+  double sum_px = 0;
+  std::size_t points = 0;
   std::vector<double> pictures;
+  const auto on_plane = detail::on_plane(work.input.lens, work.board_m, work.stations, result);
+  const auto arm = detail::arm_errors(work.input.lens, work.board_m, work.stations, result, work.input.mounting);
   for (std::size_t i = 0; i < work.stations.size(); ++i) {
     const Station& s = work.stations[i];
     HandeyeView v;
@@ -204,20 +206,23 @@ void measure(const Work& work, const HandEye& result, HandeyeFit& out) {
     v.residual_px = detail::residuals_px(work.input.lens, work.board_m, s, result);
     v.rms_px = detail::rms(v.residual_px);
     v.picture_rms_px = s.picture_rms_px;
-    v.plane_error_mm = plane_error_mm(work, s, result, sum_mm, cast);
-    const PoseError off = pose_error(s, s.move, result);
-    v.arm_mm = off.mm;
-    v.arm_deg = off.deg;
+    v.plane_error_mm = on_plane[i].mean_mm;
+    v.arm_mm = arm.each[i].mm;
+    v.arm_deg = arm.each[i].deg;
     sum_px += v.rms_px * v.rms_px * static_cast<double>(s.view.ids.size());
     points += s.view.ids.size();
     pictures.push_back(s.picture_rms_px);
     out.views.push_back(std::move(v));
   }
   out.rms_px = std::sqrt(sum_px / static_cast<double>(std::max<std::size_t>(1, points)));
-  out.plane_error_mm = sum_mm / static_cast<double>(std::max<std::size_t>(1, cast));
+  out.plane_error_mm = detail::mean_mm(on_plane);
   out.picture_rms_px = *core::median(pictures);
   out.spread = detail::spread_of(detail::board_places(work.stations, result.X));
-  out.holdout_mm = holdout_mm(work, result);
+  const Folds folds = leave_out_in_turn(work, result);
+  out.holdout_mm = folds.holdout_mm;
+  const PickSigma arm_sigma = detail::pick_sigma(on_plane), camera = sigma_of_camera(work, result, folds.fits);
+  out.calibration.sigma = {std::hypot(arm_sigma.place_mm, camera.place_mm),
+                           std::hypot(arm_sigma.turn_deg, camera.turn_deg)};
 }
 
 void fill_calibration(const Work& work, const HandEye& result, HandeyeFit& out) {
@@ -257,14 +262,10 @@ void judge_fit(HandeyeFit& out, bool poses_left_out) {
 }
 
 /// Which part of the arm's poses disagrees, when nothing else explains the error.
-std::string scatter_of_poses(const HandeyeFit& out) {
-  std::vector<double> mm, deg;
-  for (const HandeyeView& v : out.views) {
-    mm.push_back(v.arm_mm);
-    deg.push_back(v.arm_deg);
-  }
-  return "pose error: the arm's poses and the pictures disagree by " + figure(*core::median(mm), 1) + " mm and " +
-         figure(*core::median(deg), 2) + " deg (median)";
+std::string scatter_of_poses(const Work& work, const HandEye& result) {
+  const auto size = detail::arm_errors(work.input.lens, work.board_m, work.stations, result, work.input.mounting).rms;
+  return "pose error: the arm's poses are wrong by " + figure(size.mm, 2) + " mm and " + figure(size.deg, 3) +
+         " deg (RMS)";
 }
 
 }  // namespace
@@ -293,8 +294,9 @@ core::Result<HandeyeFit> detail::fit_with_lens(const HandeyeInput& input) {
     else if (const std::string units = detail::suspicious_units(input.views); !units.empty())
       out.fault = units;
     judge_fit(out, out.left_out.size() > without_pose);
-    if (out.fault.empty() && (out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good))
-      out.why += "; " + scatter_of_poses(out);
+    const bool scattered =
+        out.rms_px > kJointPx.good || out.spread.mm > kSpreadMm.good || out.spread.deg > kSpreadDeg.good;
+    if (out.fault.empty() && scattered) out.why += "; " + scatter_of_poses(work, result);
   }
   fill_calibration(work, result, out);
   return out;

@@ -50,7 +50,7 @@ struct HandeyeView {
   double rms_px = 0;
   double picture_rms_px = 0;       ///< of the board's pose in this picture alone: what the arm has no part in
   double plane_error_mm = 0;       ///< mean over the points
-  double arm_mm = 0, arm_deg = 0;  ///< by how much the arm's pose differs from the one that the picture asks for
+  double arm_mm = 0, arm_deg = 0;  ///< likeliest error of the arm's pose, in the arm's own frame
 };
 
 struct HandeyeFit {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "pickcell/core/statistics.hpp"
 #include "pickcell/core/units.hpp"
@@ -143,6 +144,47 @@ std::function<bool(const HandeyeInput&, Stations&)> sorted_otherwise(bool poses_
   };
 }
 
+/// For every station the angles to all others, sorted: a mark that arm and camera share whatever X is.
+std::vector<std::vector<double>> angle_marks(const std::vector<Eigen::Matrix3d>& rotations) {
+  std::vector<std::vector<double>> out;
+  for (const auto& a : rotations) {
+    out.emplace_back();
+    for (const auto& b : rotations) out.back().push_back(angle_deg(a.transpose() * b));
+    std::sort(out.back().begin(), out.back().end());
+  }
+  return out;
+}
+
+/// Gives every picture the pose whose mark is most like its own, the likest pairs first.
+bool matched_by_marks(const HandeyeInput& input, Stations& stations) {
+  const std::size_t n = stations.size();
+  constexpr std::size_t kMost = 200;
+  if (n < 6 || n > kMost || board_symmetries(input.board).size() > 1) return false;
+  std::vector<Eigen::Matrix3d> arm, camera;
+  for (const Station& s : stations) {
+    arm.push_back(s.move.linear());
+    camera.push_back(s.T_camera_board.linear().transpose());
+  }
+  const auto of_arm = angle_marks(arm), of_camera = angle_marks(camera);
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      double sum = 0;
+      for (std::size_t k = 0; k < n; ++k) sum += std::abs(of_camera[i][k] - of_arm[j][k]);
+      pairs.emplace_back(sum, i, j);
+    }
+  std::sort(pairs.begin(), pairs.end());
+  Moves moves;
+  for (const Station& s : stations) moves.push_back(s.move);
+  std::vector<bool> has(n), taken(n);
+  for (const auto& [unlike, i, j] : pairs) {
+    if (has[i] || taken[j]) continue;
+    has[i] = taken[j] = true;
+    stations[i].move = moves[j];
+  }
+  return true;
+}
+
 bool reversed_rows(const HandeyeInput&, Stations& stations) {
   Moves moves;
   for (const Station& s : stations) moves.push_back(s.move);
@@ -165,6 +207,7 @@ std::vector<Reading> readings(std::size_t views) {
                with_angles(core::rad_from_deg(1))),
       of_poses("positions: millimetres were given as metres (1000 times too large)", always, with_position(1e-3)),
       of_poses("positions: metres were given as millimetres (1000 times too small)", always, with_position(1e3)),
+      of_poses("positions are in centimetres", always, with_position(10)),
       of_poses("positions are in inches", always, with_position(25.4)),
       of_poses("the order of the rotations is Rx*Ry*Rz instead of Rz*Ry*Rx", euler, rotations_reversed),
       of_poses("the columns rx and rz are swapped", euler, angles_backwards),
@@ -183,6 +226,7 @@ std::vector<Reading> readings(std::size_t views) {
       {"rows are reversed: the last pose belongs to the first picture", reversed_rows},
       {"rows are shifted by one: each pose belongs to the picture before", shifted(1)},
       {"rows are shifted by one: each pose belongs to the picture after", shifted(views - 1)},
+      {"rows are mixed up: many poses belong to other pictures", matched_by_marks},
   };
   return out;
 }
@@ -218,8 +262,10 @@ std::optional<Explanation> other_square(const HandeyeInput& input, const Station
         least = e;
         best = s;
       }
-  return Explanation{"the board's squares are " + figure(core::mm_from_m(input.board.spacing_m) * best, 2) +
-                         " mm, not " + figure(core::mm_from_m(input.board.spacing_m), 2) + " mm",
+  const bool dots = input.board.kind == BoardKind::circles || input.board.kind == BoardKind::asymmetric_circles;
+  const std::string what = dots ? "the board's circles stand apart by " : "the board's squares are ";
+  return Explanation{what + figure(core::mm_from_m(input.board.spacing_m) * best, 2) + " mm, not " +
+                         figure(core::mm_from_m(input.board.spacing_m), 2) + " mm",
                      least};
 }
 

@@ -60,6 +60,38 @@ constexpr std::array<Solver, 5> kSolvers{Solver::park, Solver::horaud, Solver::t
 /// Why these motions cannot be solved, or "": hardly any rotation, or rotations about one axis only.
 [[nodiscard]] std::string unsolvable(const Stations& stations);
 
+/// The motion in the arm's own frame that would turn its pose into the one that the station's picture asks for.
+[[nodiscard]] Eigen::Isometry3d asked_of_arm(const Station& station, const Eigen::Isometry3d& move,
+                                             const HandEye& result, Mounting mounting);
+
+/// Sizes of an error of the arm's pose: its position, and the turn about it.
+struct ArmError {
+  double mm = 0, deg = 0;
+};
+
+/// RMS over the stations, and the likeliest error of every station's pose.
+struct ArmErrors {
+  ArmError rms;
+  std::vector<ArmError> each;
+};
+/// What the pictures ask of the arm's poses, less what noise makes the pictures ask (maximum likelihood): a picture
+/// knows place and direction of the board together far better than each alone.
+[[nodiscard]] ArmErrors arm_errors(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+                                   const Stations& stations, const HandEye& result, Mounting mounting);
+
+/// One picture on the board's plane: mean distance between the points cast by arm, X and Y and their nominal places,
+/// and the rigid motion that they share.
+struct OnPlane {
+  std::size_t points = 0;
+  double mean_mm = 0, shift_mm = 0, turn_deg = 0;
+};
+[[nodiscard]] std::vector<OnPlane> on_plane(const Lens& lens, const std::vector<Eigen::Vector2d>& board_m,
+                                            const Stations& stations, const HandEye& result);
+/// Over all points of all pictures.
+[[nodiscard]] double mean_mm(const std::vector<OnPlane>& pictures);
+/// Standard deviations of what a further picture would be off by, from the motions of these.
+[[nodiscard]] PickSigma pick_sigma(const std::vector<OnPlane>& pictures);
+
 /// Another reading of the input that explains it better.
 struct Explanation {
   std::string fault;     ///< the kind, for a person

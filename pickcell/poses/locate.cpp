@@ -178,6 +178,9 @@ core::Result<PartPose> Locator::locate(const matches::Match& match, const View& 
   out.covariance = (A * match.covariance * A.transpose()).topLeftCorner<3, 3>();
   out.covariance(0, 0) += view.sigma_position_m * view.sigma_position_m;
   out.covariance(1, 1) += view.sigma_position_m * view.sigma_position_m;
+  const Eigen::Vector2d arm = state.head<2>() - view.turns_about_m;
+  const Eigen::Vector3d by_turn = view.sigma_turn_rad * Eigen::Vector3d(-arm.y(), arm.x(), 1);
+  out.covariance += by_turn * by_turn.transpose();
   return out;
 }
 

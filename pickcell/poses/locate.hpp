@@ -19,7 +19,9 @@ struct View {
   Lens lens;
   core::Transform<core::Base, core::Camera> T_base_camera;
   core::Transform<core::Base, core::Plane> T_base_plane;
-  double sigma_position_m = 0;  ///< of the calibration, per axis
+  double sigma_position_m = 0;                              ///< of the calibration, per axis
+  double sigma_turn_rad = 0;                                ///< of directions on the plane, by the calibration
+  Eigen::Vector2d turns_about_m = Eigen::Vector2d::Zero();  ///< plane frame: places shift as they turn about this
 };
 
 /// Point of the plane z = height_m (plane frame) seen at a pixel; nothing when the ray misses it.

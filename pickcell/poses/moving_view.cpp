@@ -12,17 +12,22 @@ core::Result<View> view_at_exposure(const CameraCalibration& camera, const Hande
   View view;
   view.lens = camera.lens;
   view.T_base_plane = T_base_plane;
-  view.sigma_position_m = core::m_from_mm(handeye.plane_error_mm);
+  view.sigma_position_m = core::m_from_mm(handeye.sigma.place_mm);
+  view.sigma_turn_rad = core::rad_from_deg(handeye.sigma.turn_deg);
+  const auto turns_about_middle = [&view] {
+    view.turns_about_m = plane_point(view, {view.lens.cx_px, view.lens.cy_px}, 0).value_or(Eigen::Vector2d::Zero());
+    return view;
+  };
   if (handeye.T_base_camera) {
     view.T_base_camera = *handeye.T_base_camera;
-    return view;
+    return turns_about_middle();
   }
   if (!handeye.T_flange_camera) throw std::invalid_argument("a hand-eye calibration without its transform");
   if (!T_base_flange)
     return core::failure(core::ErrorCode::negative, "frame", "the arm's pose at its exposure is not known",
                          "a camera on the arm needs it with every picture");
   view.T_base_camera = *T_base_flange * *handeye.T_flange_camera;
-  return view;
+  return turns_about_middle();
 }
 
 core::Result<core::Transform<core::Base, core::Plane>> work_plane(const HandeyeCalibration& handeye,

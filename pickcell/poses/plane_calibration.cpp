@@ -81,6 +81,22 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
 }
 
+/// From the misfit of the points, `taken` of whose coordinates the fit has taken up. With a camera placed by few points
+/// the prediction is worse than the misfit says: then it is how badly the others predict a point, less the point's own
+/// error.
+PickSigma sigma_of(const PlaneFit& fit, const std::vector<Pair>& pairs, double taken) {
+  const double n = static_cast<double>(pairs.size());
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Pair& p : pairs) centre += p.touched_m / n;
+  double misfit_mm2 = 0, reach_m2 = 0;
+  for (const double e : fit.error_mm) misfit_mm2 += e * e;
+  for (const Pair& p : pairs) reach_m2 += (p.touched_m - centre).squaredNorm();
+  const double point_mm2 = misfit_mm2 / std::max(1.0, 2 * n - taken);
+  double place_mm2 = point_mm2 / n;
+  if (fit.loo_mm) place_mm2 = std::max(place_mm2, *fit.loo_mm * *fit.loo_mm / 2 - point_mm2);
+  return {std::sqrt(place_mm2), core::deg_from_rad(core::m_from_mm(std::sqrt(point_mm2 / reach_m2)))};
+}
+
 /// Fills the errors; refit(i) gives T_base_camera without point i.
 template <class Refit>
 void measure(PlaneFit& out, const Lens& lens, const std::vector<Pair>& pairs, const Eigen::Vector3d& normal,
@@ -220,6 +236,7 @@ core::Result<PlaneFit> plane_from_points(const Lens& lens, const std::vector<Tou
   out.calibration.T_base_plane = plane_frame(plane.centre, plane.normal, camera->translation_m(), height_m);
   // Points at several heights are cast at their own, parallel to the plane.
   measure(out, lens, pairs, plane.normal, [&](std::size_t i) { return camera_from(lens, pairs, i); });
+  out.calibration.sigma = sigma_of(out, pairs, 6);
   std::string fault = suspicious_size(plane);
   if (fault.empty() && plane.reach_m[2] > 0.2 * plane.reach_m[1])
     fault =
@@ -257,7 +274,7 @@ core::Result<PlaneFit> plane_from_touched_board(const Lens& lens, const Board& b
   PlaneFit out;
   out.picture_rms_px = pose->rms_px;
   out.calibration.T_base_camera = camera_by(fit);
-  out.calibration.T_base_plane = plane_frame(fit.T_base_board.translation(), fit.T_base_board.linear().col(2),
+  out.calibration.T_base_plane = plane_frame(spread.centre, fit.T_base_board.linear().col(2),
                                              out.calibration.T_base_camera.translation_m(), height_m);
   out.calibration.board = board.text;
   out.calibration.T_camera_board = pose->T_camera_board;
@@ -268,6 +285,7 @@ core::Result<PlaneFit> plane_from_touched_board(const Lens& lens, const Board& b
     some_places.erase(some_places.begin() + static_cast<std::ptrdiff_t>(without));
     return std::optional(camera_by(fit_board(some_nominal, some_places)));
   });
+  out.calibration.sigma = sigma_of(out, pairs, 3);
   // The rigid fit's own misfit counts as well: across the plane the cast does not see it.
   out.rms_mm = std::max(out.rms_mm, fit.rms_mm);
   // Above the board, seen from the camera, z of the base and the way to the camera agree for a camera over a table.

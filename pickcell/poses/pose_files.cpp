@@ -96,6 +96,7 @@ struct YamlLine {
 /// Lines without comments and blank lines; nothing else of YAML is understood.
 core::Result<std::vector<YamlLine>> yaml_lines(std::string_view text, const std::string& name) {
   std::vector<YamlLine> out;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     std::string_view line = text.substr(0, end);

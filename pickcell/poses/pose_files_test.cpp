@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace pickcell::poses {
@@ -29,6 +30,21 @@ TEST(PoseCsv, WithQuaternionsIsInMetresAndScalarLast) {
   EXPECT_TRUE(((*poses)[0].pose().linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-6));
 }
 
+TEST(PoseCsv, FromSpreadsheetsOfOtherCountriesIsTheSame) {
+  const std::string commas = "image,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\na.png,100,-200,300.5,90,0,0\n";
+  for (const char separator : {';', '\t'}) {
+    std::string text = "\xEF\xBB\xBF" + commas;
+    std::replace(text.begin(), text.end(), ',', separator);
+    const auto poses = parse_pose_csv(text, "p.csv");
+    ASSERT_TRUE(poses) << poses.error().line();
+    EXPECT_TRUE((*poses)[0].pose().isApprox((*parse_pose_csv(commas, "p.csv"))[0].pose()));
+  }
+  const auto decimal_comma = parse_pose_csv("image;x_m;y_m;z_m;qx;qy;qz;qw\na.png;1,5;2;3;0;0;0;1\n", "p.csv");
+  ASSERT_FALSE(decimal_comma);
+  EXPECT_NE(decimal_comma.error().line().find("line 2: x_m is '1,5'"), std::string::npos);
+  EXPECT_NE(decimal_comma.error().line().find("decimal point"), std::string::npos);
+}
+
 TEST(PoseCsv, SaysWhichLineIsWrong) {
   const std::string header = "image,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n";
   const auto why = [](const std::string& text) {
@@ -45,8 +61,8 @@ TEST(PoseCsv, SaysWhichLineIsWrong) {
 }
 
 TEST(RctFiles, AreRead) {
-  const auto list =
-      parse_rct_list("- pose: poses/0.yaml\n  image: images/0.png\n- image: i/1.png  # late\n  pose: p/1.yaml", "l");
+  const auto list = parse_rct_list(
+      "\xEF\xBB\xBF- pose: poses/0.yaml\n  image: images/0.png\n- image: i/1.png  # late\n  pose: p/1.yaml", "l");
   ASSERT_TRUE(list) << list.error().line();
   ASSERT_EQ(list->size(), 2U);
   EXPECT_EQ((*list)[1].image, "i/1.png");

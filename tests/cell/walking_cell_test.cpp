@@ -124,6 +124,10 @@ class HandEyeCell : public WalkingCell {
     ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
     std::filesystem::remove_all(folder_ / "state");
   }
+  /// Where the job looks from: a camera that rides on the arm sees from there what the fixed one sees.
+  static core::Transform<core::Base, core::Flange> T_base_home() {
+    return {Eigen::Vector3d(1, -1, -1).asDiagonal(), {0.3, 0, 0.25}};
+  }
   void expect_good_picks() {
     const Said said = serve(3);
     EXPECT_EQ(said.code, 0) << said.report.dump() << said.err;
@@ -139,10 +143,8 @@ TEST_F(HandEyeCell, PicksWithACameraBesideTheArm) {
 }
 
 TEST_F(HandEyeCell, PicksWithACameraOnTheArmByItsPoseAtExposure) {
-  // The job looks from its home position: a camera that rides on the arm sees from there what the fixed one sees.
-  const core::Transform<core::Base, core::Flange> T_base_home(Eigen::Vector3d(1, -1, -1).asDiagonal(), {0.3, 0, 0.25});
   poses::HandeyeCalibration handeye;
-  handeye.T_flange_camera = T_base_home.inverse() * poses::load_plane(folder_ / "plane.toml")->T_base_camera;
+  handeye.T_flange_camera = T_base_home().inverse() * poses::load_plane(folder_ / "plane.toml")->T_base_camera;
   calibrate(handeye);
   expect_good_picks();
   // A camera that is mounted elsewhere than calibrated is off by as much.
@@ -159,7 +161,7 @@ TEST_F(HandEyeCell, PicksWithACameraOnTheArmByItsPoseAtExposure) {
 
 #ifdef PICKCELL_WITH_CALIBRATION
 
-class VerifiedCell : public WalkingCell {
+class VerifiedCell : public HandEyeCell {
  protected:
   /// A camera that shows nothing but the board in its reference place, moved by so much since the calibration.
   void look_at_board(double moved_m, const std::string& how) {
@@ -181,22 +183,65 @@ class VerifiedCell : public WalkingCell {
       text.replace(text.find(old), old.size(), now);
     };
     put("source = \"sim\"", "source = \"files:shots\"\nid = \"sim-camera\"\nloop = true");
-    put("plane = \"plane.toml\"", "plane = \"plane.toml\"\nverify_at_start = \"" + how + "\"");
     ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
+    verify_at_start(how);
+  }
+  void verify_at_start(const std::string& how) {
+    auto text = *core::read_text_file(folder_ / "CELL.toml");
+    const std::string table = "[calibration]\n";
+    text.replace(text.find(table), table.size(), table + "verify_at_start = \"" + how + "\"\n");
+    ASSERT_TRUE(core::write_file_atomically(folder_ / "CELL.toml", text));
+  }
+  /// The same board and camera as a hand-eye calibration says it: the camera rides on the arm, which waits at home.
+  void as_handeye() {
+    const auto plane = *poses::load_plane(folder_ / "plane.toml");
+    poses::HandeyeCalibration handeye;
+    handeye.T_flange_camera = T_base_home().inverse() * plane.T_base_camera;
+    handeye.T_base_board = plane.T_base_camera * *plane.T_camera_board;
+    handeye.board = plane.board;
+    calibrate(handeye);
+  }
+  cell::Snapshot stands_after_start() {
+    set_up(0);
+    setup_.cell->open();
+    wait_ready();
+    EXPECT_TRUE(setup_.cell->start());
+    return wait([](const cell::Snapshot& s) { return !s.reason.empty(); });
   }
 };
 
 TEST_F(VerifiedCell, StandsUntilTheBoardIsTakenAway) {
   look_at_board(0, "board_is_taken_away");
   EXPECT_EQ(serve(1).code, 2) << "nobody is there to take it away";
-  set_up(0);
-  setup_.cell->open();
-  wait_ready();
-  ASSERT_TRUE(setup_.cell->start());
-  const auto stands = wait([](const cell::Snapshot& s) { return !s.reason.empty(); });
+  const auto stands = stands_after_start();
   EXPECT_EQ(stands.mode, cell::Mode::idle) << stands.reason;
   EXPECT_TRUE(stands.reason.starts_with("the camera is verified: the board is seen within 0.0")) << stands.reason;
   EXPECT_EQ(stands.remedy, "take the board away and press Start");
+}
+
+TEST_F(VerifiedCell, AsksForTheBoardThatIsNotThere) {
+  verify_at_start("board_stays");  // the simulated camera sees the belt and its parts
+  const auto stands = stands_after_start();
+  EXPECT_EQ(stands.mode, cell::Mode::idle) << stands.reason;
+  EXPECT_TRUE(stands.reason.starts_with("the camera cannot be verified: no whole chessboard")) << stands.reason;
+  EXPECT_EQ(stands.remedy, "lay the board in its reference place and press Start again");
+  EXPECT_EQ(stands.counters.submitted, 0);
+}
+
+TEST_F(VerifiedCell, WithACameraOnTheArmLooksForTheBoardWhereTheArmsPoseSaysItIs) {
+  look_at_board(0, "board_is_taken_away");
+  as_handeye();
+  const auto stands = stands_after_start();
+  EXPECT_TRUE(stands.reason.starts_with("the camera is verified: the board is seen within 0.0")) << stands.reason;
+}
+
+TEST_F(VerifiedCell, DoesNotPickWithACameraThatWasBumpedOnTheArm) {
+  look_at_board(0.003, "board_stays");
+  as_handeye();
+  const auto stands = stands_after_start();
+  EXPECT_EQ(stands.mode, cell::Mode::fault);
+  EXPECT_NE(stands.reason.find("moved by"), std::string::npos) << stands.reason;
+  EXPECT_EQ(stands.counters.submitted, 0);
 }
 
 TEST_F(VerifiedCell, DoesNotPickWithACameraThatWasBumped) {

@@ -97,14 +97,6 @@ void one_axis_only(HandeyeInput& input) {
   }
 }
 
-void scatter(HandeyeInput& input, double mm, double deg, std::uint64_t seed) {
-  sim::Random random(seed + 77);
-  for (ArmView& v : input.views) {
-    v.arm.position_m += 1e-3 * mm * Vector3d(random.normal(), random.normal(), random.normal());
-    if (deg > 0) turn_pose(v.arm, deg * random.normal());
-  }
-}
-
 void mirror(HandeyeInput& input) {
   std::vector<int> reversed;
   for (int row = 0; row < 6; ++row)
@@ -223,6 +215,14 @@ TransformError error_of(const Isometry3d& found, const Isometry3d& truth) {
           core::deg_from_rad(std::abs(core::wrap_rad(turn.angle())))};
 }
 
+void scatter(HandeyeInput& input, double mm, double deg, std::uint64_t seed) {
+  sim::Random random(seed + 77);
+  for (ArmView& v : input.views) {
+    v.arm.position_m += 1e-3 * mm * Vector3d(random.normal(), random.normal(), random.normal());
+    if (deg > 0) turn_pose(v.arm, deg * random.normal());
+  }
+}
+
 std::vector<PoseFault> pose_faults() {
   using In = HandeyeInput;
   using Seed = std::uint64_t;
@@ -251,7 +251,9 @@ std::vector<PoseFault> pose_faults() {
       {"quaternions with w first", {"w, x, y, z"}, [](In& in, Seed) { scalar_first(in); }},
       {"pictures mirrored", {"mirrored"}, [](In& in, Seed) { mirror(in); }},
       {"poses inverted", {"inverted"}, [](In& in, Seed) { invert(in); }},
-      {"squares of 26 mm called 25 mm", {"squares are"}, [](In& in, Seed) { in.board.spacing_m *= 25.0 / 26.0; }},
+      {"squares of 26 mm called 25 mm",
+       {"squares are", "stand apart"},
+       [](In& in, Seed) { in.board.spacing_m *= 25.0 / 26.0; }},
   };
 }
 

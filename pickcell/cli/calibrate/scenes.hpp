@@ -39,6 +39,9 @@ struct TransformError {
 };
 [[nodiscard]] TransformError error_of(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth);
 
+/// Normal errors of every pose: per axis, and about one skew axis.
+void scatter(poses::HandeyeInput& input, double mm, double deg, std::uint64_t seed);
+
 /// A fault that somebody makes in a set of poses: its name, the words that name it in a report, and what it does.
 struct PoseFault {
   std::string name;

@@ -9,8 +9,8 @@
 
 #include "pickcell/cli/bench/plots.hpp"
 #include "pickcell/cli/experiment/experiment.hpp"
+#include "pickcell/cli/experiment/paper_grounds.hpp"
 #include "pickcell/cli/machine.hpp"
-#include "pickcell/cli/paper_grounds.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
 

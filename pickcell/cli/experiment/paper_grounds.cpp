@@ -1,4 +1,4 @@
-#include "pickcell/cli/paper_grounds.hpp"
+#include "pickcell/cli/experiment/paper_grounds.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pickcell/cli/paper_sample.hpp"
+#include "pickcell/cli/experiment/paper_sample.hpp"
 #include "pickcell/core/result.hpp"
 #include "pickcell/sim/surface.hpp"
 
