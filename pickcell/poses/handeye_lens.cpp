@@ -58,7 +58,9 @@ std::optional<OwnLens> better_lens(const HandeyeInput& input) {
 /// The arm must agree, on poses that took no part; and a fault that was seen must not vanish from the report.
 bool arm_agrees(const HandeyeFit& given, const HandeyeFit& own) {
   const bool same_fault = own.fault == given.fault || (own.fault.empty() && own.calibration.verdict < Verdict::reject);
-  return same_fault && own.views.size() >= given.views.size() && own.holdout_mm < kBetterHandeye * given.holdout_mm;
+  // More poses at no greater error are agreement too: the given lens may have had its worst poses left out.
+  const double wanted = own.views.size() > given.views.size() ? 1 : kBetterHandeye;
+  return same_fault && own.views.size() >= given.views.size() && own.holdout_mm < wanted * given.holdout_mm;
 }
 
 }  // namespace

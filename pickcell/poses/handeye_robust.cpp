@@ -13,7 +13,7 @@ namespace pickcell::poses::detail {
 
 namespace {
 
-constexpr std::size_t kSubsetSize = 4;  // of 11 poses with 4 wrong ones, every ninth subset is free of them
+constexpr std::size_t kSubsetSize = 5;
 
 /// What a symmetry does to a pose: the same board, numbered otherwise, is T_camera_board * T_board_turned.
 std::vector<Eigen::Isometry3d> turned_frames(const Board& board, const std::vector<std::vector<int>>& symmetries) {

@@ -220,6 +220,10 @@ TEST_F(VerifiedCell, StandsUntilTheBoardIsTakenAway) {
 }
 
 TEST_F(VerifiedCell, AsksForTheBoardThatIsNotThere) {
+  auto plane = *poses::load_plane(folder_ / "plane.toml");
+  plane.T_camera_board = core::Transform<core::Camera, core::Board>(Eigen::Matrix3d::Identity(), {-0.12, -0.075, 0.9});
+  plane.board = "chessboard:9x6:30mm";
+  ASSERT_TRUE(poses::save_plane(folder_ / "plane.toml", plane));
   verify_at_start("board_stays");  // the simulated camera sees the belt and its parts
   const auto stands = stands_after_start();
   EXPECT_EQ(stands.mode, cell::Mode::idle) << stands.reason;
