@@ -19,9 +19,10 @@ constexpr double kRobustBelowNcc = 0.92;
 constexpr double kGoodNcc = 0.9;  // with kGoodEdge: contours cannot say more than the grey values did
 constexpr double kGoodEdge = 0.7;
 constexpr ContourSearch kClimbContour{2, 2.5f, false};
+constexpr double kDip = 0.05;               // of the score: what the first steps towards a better place may cost
 constexpr double kContoursAgree_px = 0.15;  // with where the grey values led
 constexpr ContourSearch kFirstContour{2, 3.f, false, kContoursAgree_px};
-constexpr ContourSearch kFinalContour{4, 1.5f, true, 0};
+constexpr ContourSearch kFinalContour{4, 3.f, true, 0};
 
 Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Similarity& place, const GreyFit& fit) {
   Hypothesis h;
@@ -109,7 +110,7 @@ void prefer(const Hypothesis& exact, Hypothesis& best) {
 }
 
 /// Where the contours lead at level 0, if that scores clearly better than the place they start from; followed to the
-/// end only when the first steps go uphill.
+/// end only when the first steps do not go clearly downhill.
 std::optional<Hypothesis> by_contours(const SceneLevel& scene, const LevelModel& model, const Hypothesis& from,
                                       const Descent& descent, RefineScratch& scratch) {
   const auto led = [&](const Similarity& start, const ContourSearch& search) -> std::optional<Hypothesis> {
@@ -118,7 +119,7 @@ std::optional<Hypothesis> by_contours(const SceneLevel& scene, const LevelModel&
     return evaluate(scene, model, descent.in_range(*moved), scratch);
   };
   auto best = led(from.place, kFirstContour);
-  if (!best || (best->score <= from.score && !model.grey.flat())) return {};
+  if (!best || (best->score <= from.score - kDip && !model.grey.flat())) return {};
   if (const auto on = led(best->place, kFinalContour)) keep_better(*on, *best);
   if (best->score <= from.score + (model.grey.flat() ? -kClearlyBetter : kClearlyBetter)) return {};
   return best;
