@@ -115,6 +115,15 @@ std::size_t stray_byte(std::string_view t) {
   return std::string_view::npos;
 }
 
+/// The text with ASCII in place of what is beyond. What is no TOML shows in it, before toml++ meets such a character
+/// where it expects none.
+std::string in_ascii(std::string_view t) {
+  std::string out(t.starts_with("\xEF\xBB\xBF") ? t.substr(3) : t);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) >= 0x80) c = 'x';
+  return out;
+}
+
 }  // namespace
 
 std::string nearest(std::string_view key, const std::vector<std::string>& candidates) {
@@ -143,6 +152,7 @@ Result<Config> Config::parse(std::string_view text, std::string name) {
             ": a character beyond ASCII outside of quotes",
         "put it in quotes");
   try {
+    if (const std::string ascii = in_ascii(text); ascii != text) static_cast<void>(toml::parse(ascii, file->name));
     file->root = toml::parse(text, file->name);
   } catch (const toml::parse_error& e) {
     return failure(ErrorCode::unreadable, file->name,

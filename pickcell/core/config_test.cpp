@@ -31,6 +31,13 @@ TEST(Config, CharactersBeyondAsciiStandInQuotesAndComments) {
   EXPECT_EQ(Config::parse("x = 1\n\xC3\xA4 = 2", "t.toml").error().line(),
             "t.toml: line 2: a character beyond ASCII outside of quotes; put it in quotes");
   EXPECT_FALSE(Config::parse("a = \"\xC8\x80", "t.toml"));  // an open string
+  // Quotes that open no string: what follows is looked up as well.
+  EXPECT_FALSE(Config::parse("- = +\"\x01\xCE\xA3", "t.toml"));
+  EXPECT_TRUE(
+      Config::parse("\xEF\xBB\xBF"
+                    "a = 'x'  # \xCE\xA3",
+                    "t.toml"))
+      << "a byte order mark and a comment";
 }
 
 TEST(Config, UnknownKeyNamesTheNearestKnownOne) {
