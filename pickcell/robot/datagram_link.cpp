@@ -74,8 +74,11 @@ core::Result<std::size_t> DatagramLink::receive(std::span<std::uint8_t> buffer, 
 }
 
 void DatagramLink::drain() {
+  constexpr int kMost = 10'000;  // a peer that never falls silent
   std::array<std::uint8_t, 1> ignored;
-  while (::recv(socket_, ignored.data(), ignored.size(), 0) >= 0 || errno == EINTR || errno == ECONNREFUSED) {
+  for (int i = 0; i < kMost &&
+                  (::recv(socket_, ignored.data(), ignored.size(), 0) >= 0 || errno == EINTR || errno == ECONNREFUSED);
+       ++i) {
   }
 }
 

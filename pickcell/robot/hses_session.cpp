@@ -78,9 +78,11 @@ core::Result<HsesAnswer> HsesSession::await(const HsesRequest& request, WallDead
   for (;;) {
     auto size = link_->receive(buffer, deadline);
     if (!size) return core::forward(size);
+    const core::Status early = in_time(peer(), deadline);  // of use when this is no answer
     auto answer = parse_hses_answer(HsesView(buffer).first(*size));
     if (!answer) {
       trail_.add("< dropped: " + answer.error().why);
+      if (!early) return tl::unexpected(early.error());
       continue;
     }
     if (answer->id == request.id && answer->service == request.service && answer->division == request.division) {
@@ -88,6 +90,7 @@ core::Result<HsesAnswer> HsesSession::await(const HsesRequest& request, WallDead
       return answer;
     }
     trail_.add(words(*answer) + ", dropped: another request's");
+    if (!early) return tl::unexpected(early.error());
   }
 }
 

@@ -101,15 +101,17 @@ core::Result<MotoFrame> MotoRosClient::frame(Port& port, WallDeadline deadline) 
 // --- state ---
 
 core::Result<MotoRosState> MotoRosClient::fresh_pair() {
+  const WallDeadline deadline = from_now(settings_.state_timeout);
   for (;;) {  // what waited is older
     auto old = frame(state_, std::chrono::steady_clock::now());
+    if (auto early = in_time(peer(), deadline); !early) return core::forward(early);
     if (old) continue;
     if (old.error().code != ErrorCode::timeout) return core::forward(old);
     break;
   }
-  const WallDeadline deadline = from_now(settings_.state_timeout);
   std::optional<MotoFeedback> feedback;
   for (;;) {
+    if (auto early = in_time(peer(), deadline); !early) return core::forward(early);
     auto next = frame(state_, deadline);
     if (!next) return core::forward(next);
     if (next->type == moto::kFeedback) {
@@ -235,7 +237,10 @@ core::Status MotoRosClient::stop_on_this_connection() {
     if (!answer) return core::forward(answer);
     remember('<', *answer);
     const auto reply = parse_moto_reply(*answer);
-    if (!reply || reply->command != moto::kStop) continue;
+    if (!reply || reply->command != moto::kStop) {
+      if (auto early = in_time(peer(), deadline); !early) return early;
+      continue;
+    }
     if (reply->result == moto::ok) return {};
     const MotoFault fault = moto_fault(reply->result, reply->subcode);
     return core::failure(ErrorCode::refused, peer() + " stop", fault.meaning, fault.remedy);

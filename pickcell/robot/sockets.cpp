@@ -19,6 +19,12 @@ bool socket_ready(int socket, short events, WallDeadline deadline) {
   }
 }
 
+core::Status in_time(const std::string& peer, WallDeadline deadline) {
+  if (std::chrono::steady_clock::now() < deadline) return {};
+  return core::failure(core::ErrorCode::timeout, peer, "no answer within the deadline, but other bytes without end",
+                       "check that the address is the controller's");
+}
+
 void FreeAddresses::operator()(addrinfo* list) const { freeaddrinfo(list); }
 
 core::Result<Addresses> addresses_of(const std::string& host, int port, int socket_type) {

@@ -20,6 +20,10 @@ using WallDeadline = std::chrono::steady_clock::time_point;
 /// True when the socket is ready for the events of poll(2), or has an error to tell, before the deadline.
 [[nodiscard]] bool socket_ready(int socket, short events, WallDeadline deadline);
 
+/// timeout once the deadline has passed. For loops that read on because what came was no answer: a peer that never
+/// falls silent must not keep them for ever.
+[[nodiscard]] core::Status in_time(const std::string& peer, WallDeadline deadline);
+
 struct FreeAddresses {
   void operator()(addrinfo* list) const;
 };

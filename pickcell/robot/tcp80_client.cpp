@@ -39,11 +39,12 @@ core::Status Tcp80Client::send(const std::string& bytes, WallDeadline deadline) 
 }
 
 core::Result<std::string> Tcp80Client::line(WallDeadline deadline) {
-  for (;;) {
+  for (bool heard = false;; heard = true) {
     if (auto complete = splitter_.next()) {
       remember('<', *complete);
       return std::move(*complete);
     }
+    if (auto early = in_time(peer(), deadline); heard && !early) return core::forward(early);
     std::array<char, 512> buffer;
     auto n = link_->read(buffer, deadline);
     if (!n && !splitter_.partial().empty()) {

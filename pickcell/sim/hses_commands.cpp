@@ -38,13 +38,7 @@ Refused in_hex(Refusal refusal) {
   return static_cast<Refused>(value);
 }
 
-bool reads(const HsesRequest& r) { return r.service == HsesService::get_all || r.service == HsesService::get_one; }
-bool writes(const HsesRequest& r) { return r.service == HsesService::set_all || r.service == HsesService::set_one; }
-
-HsesAnswer settle(const HsesRequest& r, Refused refused) {
-  return refused == 0 ? hses_done(r) : hses_refusal(r, refused);
-}
-HsesAnswer settle(const HsesRequest& r, Refusal refusal) { return settle(r, in_hex(refusal)); }
+HsesAnswer settle(const HsesRequest& r, Refusal refusal) { return sim::settle(r, in_hex(refusal)); }
 
 /// Attribute 0: all fields in a row; n: the nth.
 HsesAnswer fields(const HsesRequest& r, const std::vector<HsesBytes>& parts) {

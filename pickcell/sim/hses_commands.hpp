@@ -17,9 +17,21 @@ namespace pickcell::sim {
 /// is none.
 [[nodiscard]] std::string hses_command_name(const robot::HsesRequest& request);
 
+/// Whether the request asks for data, or brings some.
+[[nodiscard]] inline bool reads(const robot::HsesRequest& r) {
+  return r.service == robot::HsesService::get_all || r.service == robot::HsesService::get_one;
+}
+[[nodiscard]] inline bool writes(const robot::HsesRequest& r) {
+  return r.service == robot::HsesService::set_all || r.service == robot::HsesService::set_one;
+}
+
 /// A refusal: status 0x1F with this added status.
 [[nodiscard]] robot::HsesAnswer hses_refusal(const robot::HsesRequest& request, std::uint16_t added_status);
 /// Done, with data.
 [[nodiscard]] robot::HsesAnswer hses_done(const robot::HsesRequest& request, robot::HsesBytes payload = {});
+/// Done when nothing is refused (0), else the refusal.
+[[nodiscard]] inline robot::HsesAnswer settle(const robot::HsesRequest& request, std::uint16_t refused) {
+  return refused == 0 ? hses_done(request) : hses_refusal(request, refused);
+}
 
 }  // namespace pickcell::sim

@@ -21,13 +21,6 @@ using robot::HsesWriter;
 
 constexpr Refused kAnswerTooLarge = 0xA100;
 
-bool reads(const HsesRequest& r) { return r.service == HsesService::get_all || r.service == HsesService::get_one; }
-bool writes(const HsesRequest& r) { return r.service == HsesService::set_all || r.service == HsesService::set_one; }
-
-HsesAnswer settle(const HsesRequest& r, Refused refused) {
-  return refused == 0 ? hses_done(r) : hses_refusal(r, refused);
-}
-
 HsesAnswer read_many(const ControllerState& s, const HsesRequest& r, std::uint16_t one, std::uint32_t count) {
   if (r.payload.size() != 4) return hses_refusal(r, hses_elements::kBadLength);
   HsesWriter out;
