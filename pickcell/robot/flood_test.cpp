@@ -1,4 +1,5 @@
-// A peer that never falls silent and never answers: each link gives up at its deadline.
+// A peer that never falls silent and never answers: each link gives up. Without in_time() that is left to chance: to
+// the first moment in which the peer's thread does not keep up, which may be soon. So the rule itself is tested too.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 
 #include "pickcell/robot/hses_client.hpp"
 #include "pickcell/robot/motoros_client.hpp"
+#include "pickcell/robot/sockets.hpp"
 #include "pickcell/robot/tcp80_client.hpp"
 
 namespace pickcell::robot {
@@ -19,10 +21,11 @@ namespace {
 using core::ErrorCode;
 using std::chrono::milliseconds;
 
-/// Sends the same bytes again and again, on TCP to whoever connects, on UDP to whoever has sent something.
+/// Sends the same bytes again and again, more at once than the other side reads at once, so that there is always more:
+/// on TCP to whoever connects, on UDP to whoever has sent something.
 class Flood {
  public:
-  Flood(int type, std::string greeting, std::string bytes) : type_(type) {
+  Flood(int type, const std::string& bytes) : type_(type) {
     socket_ = socket(AF_INET, type, 0);
     sockaddr_in at{};
     at.sin_family = AF_INET;
@@ -32,7 +35,7 @@ class Flood {
     getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size);
     port_ = ntohs(at.sin_port);
     EXPECT_TRUE(type_ != SOCK_STREAM || listen(socket_, 4) == 0);
-    thread_ = std::thread([this, greeting, bytes] { run(greeting, bytes); });
+    thread_ = std::thread([this, bytes] { run(bytes); });
   }
   ~Flood() {
     ended_ = true;
@@ -45,7 +48,7 @@ class Flood {
   [[nodiscard]] int port() const { return port_; }
 
  private:
-  void run(const std::string& greeting, const std::string& bytes) {
+  void run(const std::string& bytes) {
     while (!ended_) {
       sockaddr_in to{};
       socklen_t size = sizeof to;
@@ -53,13 +56,12 @@ class Flood {
       const int out = type_ == SOCK_STREAM ? accept(socket_, nullptr, nullptr) : socket_;
       if (out < 0) return;
       if (type_ == SOCK_DGRAM && recvfrom(out, &heard, 1, 0, reinterpret_cast<sockaddr*>(&to), &size) < 0) return;
-      bool open = send(out, greeting, to);
-      while (open && !ended_) open = send(out, bytes, to);
+      while (!ended_ && send(out, bytes, to)) {
+      }
       if (type_ == SOCK_STREAM) close(out);
     }
   }
   bool send(int out, const std::string& bytes, const sockaddr_in& to) const {
-    if (bytes.empty()) return true;
     const auto* where = type_ == SOCK_DGRAM ? reinterpret_cast<const sockaddr*>(&to) : nullptr;
     return sendto(out, bytes.data(), bytes.size(), MSG_NOSIGNAL, where, where ? sizeof to : 0) > 0;
   }
@@ -69,8 +71,16 @@ class Flood {
   std::thread thread_;
 };
 
+TEST(Flood, TimeIsUpAtTheDeadlineWhateverCame) {
+  EXPECT_TRUE(in_time("10.0.0.2:80", from_now(std::chrono::hours(1))));
+  const auto late = in_time("10.0.0.2:80", WallDeadline{});
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::timeout);
+  EXPECT_EQ(late.error().what, "10.0.0.2:80");
+}
+
 TEST(Flood, OfZeroBytesEndsTheWaitForALine) {
-  const Flood flood(SOCK_STREAM, "", std::string(400, '\0'));
+  const Flood flood(SOCK_STREAM, std::string(60'000, '\0'));
   Tcp80Settings settings{.host = "127.0.0.1", .port = flood.port()};
   settings.line_timeout = milliseconds(200);
   Tcp80Client client(settings);
@@ -80,7 +90,7 @@ TEST(Flood, OfZeroBytesEndsTheWaitForALine) {
 }
 
 TEST(Flood, OfStrangeDatagramsEndsTheWaitForAnAnswer) {
-  const Flood flood(SOCK_DGRAM, "", "no frame");
+  const Flood flood(SOCK_DGRAM, "no frame");
   HsesSettings settings{.host = "127.0.0.1", .port = flood.port()};
   settings.timeout = milliseconds(100);
   settings.tries = 2;
@@ -93,7 +103,9 @@ TEST(Flood, OfStrangeDatagramsEndsTheWaitForAnAnswer) {
 TEST(Flood, OfOtherMessagesEndsTheWaitForAState) {
   // Little endian: 12 bytes follow, type 1 (ping), topic, reply 0: well formed, and no state.
   const std::string ping("\x0C\0\0\0\x01\0\0\0\x01\0\0\0\0\0\0\0", 16);
-  const Flood flood(SOCK_STREAM, "", ping);
+  std::string pings;
+  while (pings.size() < 60'000) pings += ping;
+  const Flood flood(SOCK_STREAM, pings);
   MotoRosClientSettings settings;
   settings.host = "127.0.0.1";
   settings.port = flood.port() - 1;  // states come on the next one
