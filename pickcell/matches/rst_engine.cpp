@@ -225,8 +225,8 @@ void RstEngine::robust_filter(const RstTask& task, image::ImageView picture, int
     Match m;
     m.model = task.model.model->name;
     m.model_index = model_index;
-    m.pose = task.model.pose(r.place.x, r.place.y, r.place.angle_deg,
-                             task.model.scales[static_cast<std::size_t>(r.place.scale)]);
+    m.pose = task.model.window_pose(r.place.x, r.place.y, r.place.angle_deg,
+                                    task.model.scales[static_cast<std::size_t>(r.place.scale)]);
     m.score = std::clamp(r.ncc, 0.0, 1.0);
     m.visible = r.inside;
     m.covariance = grid_covariance(task.model);

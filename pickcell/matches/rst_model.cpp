@@ -87,6 +87,8 @@ class Training {
     const double block = std::ldexp(1.0, m_.level);
     m_.anchor_x = block * cx_ + (block - 1) / 2;
     m_.anchor_y = block * cy_ + (block - 1) / 2;
+    m_.pixel_x = static_cast<int>(m_.anchor_x);
+    m_.pixel_y = static_cast<int>(m_.anchor_y);
     m_.ref_dx = m_.model->ref_x_px - m_.anchor_x;
     m_.ref_dy = m_.model->ref_y_px - m_.anchor_y;
   }
@@ -132,7 +134,7 @@ class Training {
     for (const double s : m_.scales)
       for (int shift = 0; shift < m_.lines; ++shift)
         m_.coarse.push_back(make_window(source(m_.level, t_, cx_, cy_), shift * settings_.angle_step_deg, s));
-    m_.fine = std::make_unique<WindowCache>(source(0, m_.pyramid.levels.front().grey.view(), m_.anchor_x, m_.anchor_y),
+    m_.fine = std::make_unique<WindowCache>(source(0, m_.pyramid.levels.front().grey.view(), m_.pixel_x, m_.pixel_y),
                                             m_.scales);
   }
 
@@ -168,6 +170,11 @@ void WindowCache::drop() {
 
 Pose2d RstModel::pose(double x, double y, double angle_deg, double scale_factor) const {
   return pose_of({x, y, angle_deg / kDegPerRad, scale_factor}, ref_dx, ref_dy);
+}
+
+Pose2d RstModel::window_pose(int x, int y, double angle_deg, double scale_factor) const {
+  const double dx = model->ref_x_px - pixel_x, dy = model->ref_y_px - pixel_y;
+  return pose_of({static_cast<double>(x), static_cast<double>(y), angle_deg / kDegPerRad, scale_factor}, dx, dy);
 }
 
 RotatedRect RstModel::outline(const Pose2d& pose) const {

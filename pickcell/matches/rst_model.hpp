@@ -55,6 +55,7 @@ struct RstModel {
   image::Image coarse_grey;           ///< the template at level NP, smoothed when asked for
   double anchor_x = 0, anchor_y = 0;  ///< of the coarse anchor in pixels of the full template
   double ref_dx = 0, ref_dy = 0;      ///< reference point less anchor
+  int pixel_x = 0, pixel_y = 0;       ///< of the full template, next to the anchor: about it windows of step 4 turn
   int margin = 0;                     ///< radius of the largest circle
   std::vector<int> radii;
   PixelLists circles;
@@ -73,13 +74,16 @@ struct RstModel {
   }
   /// The reference point's pose when the anchor lies at (x, y) of the full picture.
   [[nodiscard]] Pose2d pose(double x, double y, double angle_deg, double scale_factor) const;
+  /// The same when a window of step 4 lies at pixel (x, y) of the full picture.
+  [[nodiscard]] Pose2d window_pose(int x, int y, double angle_deg, double scale_factor) const;
   [[nodiscard]] RotatedRect outline(const Pose2d& pose) const;
 };
 
 /// The anchor of the coarse template is its middle pixel; a coarse pixel x is the block of pixels 2^NP x .. 2^NP x +
-/// 2^NP
-/// - 1, so the anchor lies at 2^NP x + (2^NP - 1) / 2 of the full template, whatever the remainder of its size: a
-/// picture shifted by 0 .. 2^NP - 1 pixels finds the same pose. Circles have the same radii in pixels at all scales;
+/// 2^NP - 1, so the anchor lies at 2^NP x + (2^NP - 1) / 2 of the full template, whatever the remainder of its size.
+/// That is between two pixels; windows of step 4 turn about the upper left one, so that a part that is not turned meets
+/// the picture pixel by pixel, and all its 2^NP places are pixels of one block: a picture shifted by 0 .. 2^NP - 1
+/// pixels finds the same pose. Circles have the same radii in pixels at all scales;
 /// those that do not fit a scale are left out there (errata of Kim & de Araujo). Errors (usage): a template too small
 /// for NP, a coarse template without features.
 [[nodiscard]] core::Result<std::unique_ptr<RstModel>> prepare_rst_model(const Model& model, Range scale,

@@ -28,7 +28,7 @@ struct RobustSearch {
   int level = 2;  ///< NP: a pixel of the candidate's level is a block of 2^NP by 2^NP pixels
   int alpha_deg = 10;
   int scales = 3;
-  LocationSearch location = LocationSearch::quadrant;
+  LocationSearch location = LocationSearch::halving;
   const std::vector<bool>* allowed_deg = nullptr;  ///< 360 entries; null: all angles
 };
 

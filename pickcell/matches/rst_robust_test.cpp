@@ -75,6 +75,21 @@ TEST(RstRobust, BothReachEveryPlaceAngleAndScaleOfTheBlock) {
           }
 }
 
+/// Every place of blocks of 2 to 32 pixels is found where the score falls off with the distance, gently or steeply.
+TEST(RstRobust, HalvingEndsAtEachPlaceOfABlock) {
+  for (int level = 1; level <= 5; ++level)
+    for (const double power : {0.5, 1.0, 4.0})
+      for (int y = 0; y < 1 << level; ++y)
+        for (int x = 0; x < 1 << level; ++x) {
+          const PlaceScore score = [=](const RobustPlace& p) {
+            return WindowScore{-std::pow(std::hypot(p.x - 40 - x, p.y - 80 - y), power) / 1e7, 1};
+          };
+          const RobustResult r = search_robustly(how(RstVariant::rst, level), kStart, score);
+          ASSERT_EQ(r.place.x, 40 + x) << level << " " << y << " " << power;
+          ASSERT_EQ(r.place.y, 80 + y) << level << " " << x << " " << power;
+        }
+}
+
 TEST(RstRobust, AngleOffsetsReachHalfTheStep) {
   EXPECT_EQ(first_angle_offset_deg(10), 3);
   for (int alpha = 1; alpha <= 90; ++alpha) {

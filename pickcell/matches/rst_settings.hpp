@@ -13,10 +13,12 @@ namespace pickcell::matches {
 /// erst: the original RST as the paper embeds it; rst: the paper's fast method. Only steps 2 and 4 differ.
 enum class RstVariant { erst, rst };
 
-enum class RadialLength { largest, matched };       ///< lines of the largest scale, or of the candidate's
-enum class WindowMask { rect, disc };               ///< pixels of the template that steps 3 and 4 compare
-enum class PyramidFilter { box, binomial };         ///< 2 x 2 means, or [1 3 3 1] / 8 in both directions
-enum class LocationSearch { quadrant, symmetric };  ///< step 4 of rst: from the block's corner, or all around
+enum class RadialLength { largest, matched };  ///< lines of the largest scale, or of the candidate's
+enum class WindowMask { rect, disc };          ///< pixels of the template that steps 3 and 4 compare
+enum class PyramidFilter { box, binomial };    ///< 2 x 2 means, or [1 3 3 1] / 8 in both directions
+/// Step 4 of rst: by halves of the block (as many places as the paper counts, and each can be the last one), from the
+/// block's corner (as many; ties and overshoots cannot be taken back), or all around.
+enum class LocationSearch { halving, quadrant, symmetric };
 
 struct RstSettings {
   std::optional<int> pyramid_level;                 ///< NP; unset: by the template's size
@@ -37,7 +39,7 @@ struct RstSettings {
   double t_brightness = 1;      ///< step 1: brightness change at most this part of the range; 1: off
   bool match_negative = false;  ///< also find the negative of the template
   WindowMask mask = WindowMask::rect;
-  LocationSearch location = LocationSearch::quadrant;
+  LocationSearch location = LocationSearch::halving;
   double min_inside = 0.8;       ///< share of the window that must lie inside the picture
   bool refine_subpixel = false;  ///< refinement of engine `best` on what was found
 };

@@ -45,7 +45,7 @@ TEST(RstSettings, PaperDefaults) {
   EXPECT_EQ(s.t_brightness, 1);
   EXPECT_EQ(s.radial_length, RadialLength::largest);
   EXPECT_EQ(s.mask, WindowMask::rect);
-  EXPECT_EQ(s.location, LocationSearch::quadrant);
+  EXPECT_EQ(s.location, LocationSearch::halving);
   EXPECT_EQ(pyramid_level_for(60, 60), 1);
   EXPECT_EQ(pyramid_level_for(130, 130), 2);
   EXPECT_EQ(pyramid_level_for(250, 250), 3);
