@@ -1,5 +1,6 @@
 // teach and match as a user meets them: arguments in, lines and exit codes out.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -362,15 +363,18 @@ TEST(Command, HelpAndVersion) {
   EXPECT_EQ(pickcell({}).code, 2);
 }
 
-/// A build without the cell knows its commands by name, and says what is missing.
+/// A build without the cell or without calibration knows their commands by name, and says what is missing.
 TEST(Command, WhatIsLeftOutSaysSo) {
   for (const Subcommand& command : subcommands()) {
     if (command.summary != "not in this build") continue;
     for (const char* word : {"--help", "--port=1", "now"}) {
       const Outcome said = pickcell({command.name, word});
       EXPECT_EQ(said.code, 2);
-      EXPECT_EQ(said.err, "pickcell: " + command.name +
-                              ": this build has no cell, only the matcher; configure with -DPICKCELL_WITH_CELL=ON\n");
+      const bool lens = command.name == "calibrate";
+      EXPECT_THAT(said.err, testing::StartsWith("pickcell: " + command.name + ": this build has no " +
+                                                (lens ? "calibration" : "cell")));
+      EXPECT_THAT(said.err, testing::HasSubstr("; configure with -DPICKCELL_WITH_CELL=ON"));
+      EXPECT_EQ(said.err.find("CALIBRATION=ON") != std::string::npos, lens);
     }
   }
 }
