@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "pickcell/cli/camera_stream.hpp"
+#include "pickcell/cli/process.hpp"
 #include "pickcell/core/json.hpp"
-#include "pickcell/core/log.hpp"
 #include "pickcell/frames/camera_list.hpp"
 #include "pickcell/frames/live_source.hpp"
 #include "pickcell/frames/open_source.hpp"
@@ -125,7 +125,7 @@ core::Result<int> set(const Options& options, Io& io) {
 }
 
 core::Result<int> run(const Options& options, Io& io) {
-  const CameraLog log(io.err);
+  const LogOnErr log(io.err);
   if (options.action == "list") return list(options, io);
   if (options.source.empty())
     return failure(ErrorCode::usage, "camera " + options.action, "no SOURCE given",

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <ostream>
 
-#include "pickcell/core/log.hpp"
 #include "pickcell/frames/open_source.hpp"
 #include "pickcell/image/codec.hpp"
 
@@ -103,12 +102,6 @@ struct Watch {
 };
 
 }  // namespace
-
-CameraLog::CameraLog(std::ostream& err)
-    : handle_(core::add_log_sink([&err](const core::LogEntry& entry) {
-        if (entry.level >= core::LogLevel::warning) err << "pickcell: " << entry.text << std::endl;
-      })) {}
-CameraLog::~CameraLog() { core::remove_log_sink(handle_); }
 
 core::Result<std::unique_ptr<frames::FrameSource>> open_camera(const std::string& source, const CameraCommand& command,
                                                                frames::LiveSource::Policy policy,

@@ -24,18 +24,6 @@ struct CameraCommand {
   bool json = false;
 };
 
-/// Warnings and errors of the cameras on stderr, as long as it lives.
-class CameraLog {
- public:
-  explicit CameraLog(std::ostream& err);
-  ~CameraLog();
-  CameraLog(const CameraLog&) = delete;
-  CameraLog& operator=(const CameraLog&) = delete;
-
- private:
-  int handle_;
-};
-
 [[nodiscard]] core::Result<std::unique_ptr<frames::FrameSource>> open_camera(const std::string& source,
                                                                              const CameraCommand& command,
                                                                              frames::LiveSource::Policy policy,

@@ -2,12 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
 
+#include "pickcell/cli/process.hpp"
 #include "pickcell/cli/subcommand.hpp"
 #include "pickcell/core/config.hpp"
 #include "pickcell/core/file.hpp"
@@ -168,27 +168,6 @@ core::Result<Setup> setup_of(const Options& o) {
   if (auto status = check(c); !status) return core::forward(status);
   return setup;
 }
-
-/// SIGINT and SIGTERM, kept for wait() in every thread that is started while this lives.
-class StopSignals {
- public:
-  StopSignals() {
-    sigemptyset(&set_);
-    sigaddset(&set_, SIGINT);
-    sigaddset(&set_, SIGTERM);
-    (void)pthread_sigmask(SIG_BLOCK, &set_, &before_);
-  }
-  ~StopSignals() { (void)pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
-  void wait() const {
-    int received = 0;
-    (void)sigwait(&set_, &received);
-  }
-
- private:
-  sigset_t set_{}, before_{};
-};
 
 core::Result<int> run(const Options& options, Io& io) {
   auto setup = setup_of(options);

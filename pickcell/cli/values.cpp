@@ -22,7 +22,7 @@ core::Result<std::vector<double>> parse_numbers(const std::string& option, const
   const char* const end = at + text.size();
   while (true) {
     double value = 0;
-    if (at != end && *at == '+') ++at;
+    if (end - at > 1 && at[0] == '+' && at[1] != '-') ++at;
     const auto [next, error] = std::from_chars(at, end, value);
     if (error != std::errc{} || (next != end && *next != ','))
       return refuse(option, text, "is not a list of numbers", "write numbers with commas between them, like 1,2.5");
@@ -31,6 +31,15 @@ core::Result<std::vector<double>> parse_numbers(const std::string& option, const
     if (next == end) return out;
     at = next + 1;
   }
+}
+
+core::Result<std::vector<double>> parse_numbers(const std::string& option, const std::string& text, std::size_t least,
+                                                std::size_t most) {
+  auto out = parse_numbers(option, text);
+  if (out && (out->size() < least || out->size() > most))
+    return refuse(option, text, "has " + std::to_string(out->size()) + (out->size() == 1 ? " number" : " numbers"),
+                  "give " + std::to_string(least) + (most > least ? " to " + std::to_string(most) : ""));
+  return out;
 }
 
 core::Result<int> parse_threads(const std::string& text) {

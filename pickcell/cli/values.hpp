@@ -14,6 +14,9 @@ namespace pickcell::cli {
 
 /// Comma-separated finite numbers, `1,-2.5`.
 [[nodiscard]] core::Result<std::vector<double>> parse_numbers(const std::string& option, const std::string& text);
+/// The same, least..most of them.
+[[nodiscard]] core::Result<std::vector<double>> parse_numbers(const std::string& option, const std::string& text,
+                                                              std::size_t least, std::size_t most);
 
 /// `lo,hi` with lo <= hi.
 [[nodiscard]] core::Result<matches::Range> parse_range(const std::string& option, const std::string& text);

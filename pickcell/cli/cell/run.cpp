@@ -1,12 +1,10 @@
 #include "pickcell/cli/cell/run.hpp"
 
-#include <csignal>
-
 #include <chrono>
 #include <ostream>
 
 #include "pickcell/cli/cell/report.hpp"
-#include "pickcell/core/log.hpp"
+#include "pickcell/cli/process.hpp"
 #ifdef PICKCELL_WITH_SERVER
 #include "pickcell/server/server.hpp"
 #endif
@@ -17,43 +15,6 @@ using core::ErrorCode;
 using core::failure;
 
 namespace {
-
-/// Warnings and errors of the modules on stderr, as long as it lives.
-class LogOnErr {
- public:
-  explicit LogOnErr(std::ostream& err)
-      : handle_(core::add_log_sink([&err](const core::LogEntry& entry) {
-          if (entry.level >= core::LogLevel::warning)
-            err << "pickcell: " << entry.module << ": " << entry.text << std::endl;
-        })) {}
-  ~LogOnErr() { core::remove_log_sink(handle_); }
-  LogOnErr(const LogOnErr&) = delete;
-  LogOnErr& operator=(const LogOnErr&) = delete;
-
- private:
-  int handle_;
-};
-
-/// Ctrl-C and SIGTERM wait here instead of ending the process. To be made before any other thread.
-class StopSignals {
- public:
-  StopSignals() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals_, &before_);
-  }
-  ~StopSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
-  void wait() const {
-    int signal = 0;
-    sigwait(&signals_, &signal);
-  }
-
- private:
-  sigset_t signals_{}, before_{};
-};
 
 /// 1: everything works, and the picks failed all the same; 3: a device or link failed.
 int exit_code_of(const std::string& fault) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "pickcell/cli/values.hpp"
+
 namespace pickcell::cli {
 
 using core::ErrorCode;
@@ -51,7 +53,7 @@ core::Status write_contact(robot::ControllerLink& link, const RobotName& name, b
 }
 
 core::Status write_position(robot::ControllerLink& link, const RobotName& name, const std::string& value) {
-  auto v = parse_numbers(value, 6, 8, name.text);
+  auto v = parse_numbers(name.text, value, 6, 8);
   if (!v) return core::forward(v);
   robot::CartesianPosition p;
   p.x_mm = (*v)[0], p.y_mm = (*v)[1], p.z_mm = (*v)[2];
@@ -75,28 +77,6 @@ Json pulse_json(const robot::PulsePosition& p) {
 }
 
 }  // namespace
-
-core::Result<std::vector<double>> parse_numbers(const std::string& text, std::size_t least, std::size_t most,
-                                                const std::string& what) {
-  std::vector<double> out;
-  std::string_view rest = text;
-  for (bool more = true; more;) {
-    const std::size_t comma = rest.find(',');
-    const std::string_view field = rest.substr(0, comma);
-    double v = 0;
-    const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), v);
-    if (field.empty() || problem != std::errc() || end != field.data() + field.size() || !std::isfinite(v))
-      return core::failure(ErrorCode::usage, what, "\"" + std::string(field) + "\" in \"" + text + "\" is no number",
-                           "give numbers between commas");
-    out.push_back(v);
-    more = comma != std::string_view::npos;
-    if (more) rest.remove_prefix(comma + 1);
-  }
-  if (out.size() < least || out.size() > most)
-    return core::failure(ErrorCode::usage, what, std::to_string(out.size()) + " numbers in \"" + text + "\"",
-                         "give " + std::to_string(least) + (most > least ? " to " + std::to_string(most) : ""));
-  return out;
-}
 
 core::Result<RobotName> parse_robot_name(const std::string& word) {
   if (word.empty()) return unknown(word);
@@ -194,7 +174,7 @@ core::Status write_robot_value(robot::ControllerLink& link, const RobotName& nam
     if (value.size() > kMostBytes || !plain) return unfit(name.text, value, "at most 32 printable characters");
     return link.write_string(name.number, value);
   }
-  auto numbers = parse_numbers(value, 1, 1, name.text);
+  auto numbers = parse_numbers(name.text, value, 1, 1);
   if (!numbers) return core::forward(numbers);
   const double v = numbers->front();
   if (name.kind == RobotName::Kind::real) {

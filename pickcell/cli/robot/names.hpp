@@ -30,8 +30,5 @@ struct RobotName {
 
 /// x_mm, y_mm, z_mm, rx_deg, ry_deg, rz_deg, frame, tool, and form where it is not 0.
 [[nodiscard]] core::Json position_json(const robot::CartesianPosition& position);
-/// `a,b,c,...` as finite numbers; usage error that names `what` unless there are least..most.
-[[nodiscard]] core::Result<std::vector<double>> parse_numbers(const std::string& text, std::size_t least,
-                                                              std::size_t most, const std::string& what);
 
 }  // namespace pickcell::cli

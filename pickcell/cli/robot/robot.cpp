@@ -11,6 +11,7 @@
 #include "pickcell/cli/robot/request.hpp"
 #include "pickcell/cli/robot/status.hpp"
 #include "pickcell/cli/subcommand.hpp"
+#include "pickcell/cli/values.hpp"
 
 namespace pickcell::cli {
 
@@ -203,7 +204,7 @@ constexpr Action kActions[] = {{"status", status},  {"read", read},   {"write", 
 
 core::Status read_box(Options& o) {
   if (o.box.empty()) return {};
-  auto v = parse_numbers(o.box, 6, 6, "--box");
+  auto v = parse_numbers("--box", o.box, 6, 6);
   if (!v) return core::forward(v);
   o.limits.box_mm.emplace();
   std::copy(v->begin(), v->end(), o.limits.box_mm->begin());

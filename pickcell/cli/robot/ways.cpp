@@ -5,6 +5,7 @@
 
 #include "pickcell/cli/robot/names.hpp"
 #include "pickcell/cli/robot/request.hpp"
+#include "pickcell/cli/values.hpp"
 
 namespace pickcell::cli {
 
@@ -51,7 +52,7 @@ core::Result<Answer> jog(robot::ControllerLink& link, const Options& o) {
   if (o.words.size() != 2 || axis == kAxes.end())
     return failure(ErrorCode::usage, "jog", "needs an axis and a distance",
                    "for example: jog z 5 (mm), jog rz -10 (deg)");
-  auto by = parse_numbers(o.words[1], 1, 1, "jog " + *axis);
+  auto by = parse_numbers("jog " + *axis, o.words[1], 1, 1);
   if (!by) return core::forward(by);
   if (auto may = may_move(link, o.limits); !may) return core::forward(may);
   auto at = here(link, o);
@@ -76,7 +77,7 @@ core::Result<Answer> jog(robot::ControllerLink& link, const Options& o) {
 core::Result<Answer> go_to(robot::ControllerLink& link, const Options& o) {
   if (o.words.size() != 1)
     return failure(ErrorCode::usage, "goto", "needs a place", "goto x,y,z[,rx,ry,rz] in mm and degrees, base frame");
-  auto v = parse_numbers(o.words[0], 3, 6, "goto");
+  auto v = parse_numbers("goto", o.words[0], 3, 6);
   if (!v) return core::forward(v);
   if (v->size() != 3 && v->size() != 6)
     return failure(ErrorCode::usage, "goto", "needs three or six numbers", "goto x,y,z[,rx,ry,rz]");
