@@ -30,6 +30,7 @@ struct Detection {
   double ref_x_px = 0, ref_y_px = 0;  ///< the reference point in the template
   double score = 0;
   DetectionState state = DetectionState::found;
+  std::string code;                              ///< of a rejection when it was seen: "score", "clearance", ...
   std::string why;                               ///< reason of a rejection, in words
   std::vector<std::array<double, 2>> grasps_px;  ///< grasp points in the picture
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pickcell/cell/cell.hpp"
+#include "pickcell/cell/fate.hpp"
 
 namespace pickcell::cell {
 
@@ -208,8 +209,8 @@ void Cell::give_up_on_stubborn(Sight& sight) const {
     if (ledger_.attempts(part.model, p_m) < settings_.attempts_per_part) continue;
     for (Sight::Seen& seen : sight.seen)
       if (seen.detection_id == part.detection_id)
-        seen.rejection =
-            Rejection{"gave_up", "picking it failed " + std::to_string(settings_.attempts_per_part) + " times"};
+        seen.rejection = Rejection{std::string(kGaveUp),
+                                   "picking it failed " + std::to_string(settings_.attempts_per_part) + " times"};
   }
   std::erase_if(sight.parts, [&](const poses::PartPose& part) {
     return std::any_of(sight.seen.begin(), sight.seen.end(), [&](const Sight::Seen& seen) {

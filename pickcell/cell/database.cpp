@@ -2,6 +2,9 @@
 
 #include <sqlite3.h>
 
+#include <cctype>
+#include <system_error>
+
 namespace pickcell::cell {
 
 using core::ErrorCode;
@@ -9,6 +12,21 @@ using core::ErrorCode;
 namespace {
 
 constexpr int kBusyTimeoutMs = 2000;
+constexpr int kLongestReadBytes = 1 << 20;
+
+/// A path in a file: URI.
+std::string percent_encoded(const std::string& path) {
+  constexpr char kHex[] = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) || c == '/' || c == '-' || c == '_' || c == '.')
+      out += c;
+    else
+      out += {'%', kHex[byte >> 4], kHex[byte & 15]};
+  }
+  return out;
+}
 
 struct Finalize {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
@@ -55,13 +73,39 @@ core::Result<Database> Database::open(const std::filesystem::path& path) {
   Database database(std::unique_ptr<sqlite3, Close>(raw), path.string());
   if (opened != SQLITE_OK) return tl::unexpected(database.error("cannot be opened"));
   sqlite3_busy_timeout(raw, kBusyTimeoutMs);
-  const auto sound = database.execute("PRAGMA quick_check(1)");
-  if (!sound) return tl::unexpected(sound.error());
-  if (sound->empty() || as_text(sound->front().front()) != "ok")
-    return core::failure(ErrorCode::unreadable, path.string(), "the database is damaged", "move the file aside");
+  if (auto sound = database.check_sound(); !sound) return core::forward(sound);
   if (auto set = database.script("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON;"); !set)
     return core::forward(set);
   return database;
+}
+
+core::Result<Database> Database::open_to_read(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    return core::failure(ErrorCode::unreadable, path.string(), "no such file", "check the path");
+  // Without a writer's log nothing can change the file: SQLite then needs no files of its own beside it, and it can lie
+  // in a read-only archive.
+  const bool has_log = std::filesystem::exists(path.string() + "-wal", ignored);
+  const std::string uri = "file:" + percent_encoded(std::filesystem::absolute(path).string()) +
+                          (has_log ? "?mode=ro" : "?mode=ro&immutable=1");
+  sqlite3* raw = nullptr;
+  const int opened =
+      sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+  Database database(std::unique_ptr<sqlite3, Close>(raw), path.string());
+  if (opened != SQLITE_OK) return tl::unexpected(database.error("cannot be opened"));
+  sqlite3_busy_timeout(raw, kBusyTimeoutMs);
+  sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, kLongestReadBytes);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  if (auto sound = database.check_sound(); !sound) return core::forward(sound);
+  return database;
+}
+
+core::Status Database::check_sound() {
+  const auto sound = execute("PRAGMA quick_check(1)");
+  if (!sound) return tl::unexpected(sound.error());
+  if (!sound->empty() && as_text(sound->front().front()) == "ok") return {};
+  return core::failure(ErrorCode::unreadable, name_, "the database is damaged", "move the file aside");
 }
 
 core::Status Database::script(std::string_view sql) {

@@ -27,6 +27,9 @@ class Database {
  public:
   /// Opens or makes the file; its folder must exist. Checks that it is a sound database.
   [[nodiscard]] static core::Result<Database> open(const std::filesystem::path& path);
+  /// An existing file of anybody, to be read only: neither it nor its folder is changed where no writer left a log
+  /// beside it (FILE-wal). Texts are at most a megabyte long, and nothing that its schema holds is run.
+  [[nodiscard]] static core::Result<Database> open_to_read(const std::filesystem::path& path);
 
   Database(Database&&) noexcept = default;
   Database& operator=(Database&&) noexcept = default;
@@ -45,6 +48,7 @@ class Database {
   Database(std::unique_ptr<sqlite3, Close> handle, std::string name)
       : handle_(std::move(handle)), name_(std::move(name)) {}
   [[nodiscard]] core::Error error(std::string_view doing) const;
+  [[nodiscard]] core::Status check_sound();
 
   std::unique_ptr<sqlite3, Close> handle_;
   std::string name_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pickcell/cell/fate.hpp"
 #include "pickcell/core/statistics.hpp"
 #include "pickcell/core/units.hpp"
 
@@ -43,20 +44,6 @@ Detection shown_detection(const Sight::Seen& seen, const matches::Model& model) 
   return d;
 }
 
-struct Fate {
-  DetectionState state;
-  std::string code, why;
-};
-
-Fate fate_of(const Sight::Seen& seen, const picks::Plan& plan) {
-  if (seen.rejection) return {DetectionState::rejected, seen.rejection->code, seen.rejection->why};
-  for (const picks::Refusal& refusal : plan.refusals)
-    if (refusal.detection_id == seen.detection_id) return {DetectionState::rejected, name(refusal.reason), refusal.why};
-  for (const picks::Pick& pick : plan.picks)
-    if (pick.detection_id == seen.detection_id) return {DetectionState::queued, "", ""};
-  return {DetectionState::found, "", ""};
-}
-
 }  // namespace
 
 core::Status Ledger::saw(frames::Frame frame, const Sight& sight, const picks::Plan& plan, double grab_ms,
@@ -71,6 +58,7 @@ core::Status Ledger::saw(frames::Frame frame, const Sight& sight, const picks::P
     Detection d = shown_detection(seen, models[static_cast<std::size_t>(seen.match.model_index)]);
     const Fate fate = fate_of(seen, plan);
     d.state = fate.state;
+    d.code = fate.code;
     d.why = fate.why;
     if (fate.state == DetectionState::rejected && standing_.first_rejection(d.part, fate.code, {d.x_px, d.y_px}))
       ++counters_.rejected[fate.code];

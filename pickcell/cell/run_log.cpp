@@ -21,16 +21,18 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSchema = R"(
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 CREATE TABLE frame (
   sequence INTEGER PRIMARY KEY, exposed_unix_us INTEGER NOT NULL, camera_id TEXT NOT NULL, width_px INTEGER NOT NULL,
-  height_px INTEGER NOT NULL, grab_ms REAL NOT NULL, match_ms REAL NOT NULL, file TEXT) STRICT;
+  height_px INTEGER NOT NULL, grab_ms REAL NOT NULL, match_ms REAL NOT NULL, file TEXT,
+  T_base_flange TEXT) STRICT;
 CREATE TABLE detection (
   id INTEGER PRIMARY KEY, frame INTEGER NOT NULL REFERENCES frame(sequence), part TEXT NOT NULL,
   x_px REAL NOT NULL, y_px REAL NOT NULL, angle_deg REAL NOT NULL, scale REAL NOT NULL, score REAL NOT NULL,
   sigma_x_px REAL, sigma_y_px REAL, sigma_deg REAL, visible REAL,
   base_x_mm REAL, base_y_mm REAL, base_z_mm REAL, base_angle_deg REAL,
-  rejected INTEGER NOT NULL, reason TEXT NOT NULL) STRICT;
+  rejected INTEGER NOT NULL, reason TEXT NOT NULL, code TEXT NOT NULL) STRICT;
+CREATE INDEX detection_of_frame ON detection(frame);
 CREATE TABLE pick (
   sequence INTEGER PRIMARY KEY, detection INTEGER NOT NULL, slot INTEGER NOT NULL, outcome TEXT NOT NULL,
   reason INTEGER NOT NULL, text TEXT NOT NULL, t_submit_us INTEGER NOT NULL, t_end_us INTEGER) STRICT;
@@ -41,10 +43,19 @@ CREATE TABLE event (unix_us INTEGER NOT NULL, kind TEXT NOT NULL, text TEXT NOT 
 std::string quoted(const std::string& text) { return core::Json(text).dump(); }
 
 std::string run_toml(const RunInfo& info) {
-  return "started = " + quoted(core::iso_utc(info.start_unix_us)) + "\ncell = " + quoted(info.cell_name) +
-         "\ncell_file = " + quoted(info.cell_file.string()) + "\ncamera_id = " + quoted(info.camera_id) +
-         "\nrobot_link = " + quoted(info.robot_link) + "\nengine = " + quoted(info.engine) +
-         "\nsimulated = " + (info.simulated ? "true" : "false") + "\n";
+  return "format = " + std::to_string(kRunFormat) + "\nstarted = " + quoted(core::iso_utc(info.start_unix_us)) +
+         "\ncell = " + quoted(info.cell_name) + "\ncell_file = " + quoted(info.cell_file.string()) +
+         "\ncamera_id = " + quoted(info.camera_id) + "\nrobot_link = " + quoted(info.robot_link) +
+         "\nengine = " + quoted(info.engine) + "\nsimulated = " + (info.simulated ? "true" : "false") + "\n";
+}
+
+/// The arm's pose at exposure, row by row; for a camera that is not on the arm nothing.
+SqlValue flange_column(const frames::Frame& frame) {
+  if (!frame.T_base_flange) return std::monostate{};
+  const Eigen::Matrix4d M = frame.T_base_flange->matrix();
+  core::Json rows = core::Json::array();
+  for (int i = 0; i < 16; ++i) rows.push(M(i / 4, i % 4));
+  return rows.dump();
 }
 
 core::Result<fs::path> new_folder(const fs::path& runs_dir, const std::string& name) {
@@ -86,6 +97,7 @@ SqlRow detection_row(const ShownFrame& shown, const Detection& d, const matches:
   }
   row.emplace_back(static_cast<std::int64_t>(d.state == DetectionState::rejected));
   row.emplace_back(d.why);
+  row.emplace_back(d.code);
   return row;
 }
 
@@ -97,7 +109,10 @@ core::Result<RunLog> RunLog::create(const fs::path& runs_dir, const RunInfo& inf
   std::error_code problem;
   fs::create_directory(*folder / "frames", problem);
   if (problem) return failure(ErrorCode::unreadable, (*folder / "frames").string(), problem.message());
-  if (auto written = core::write_file_atomically(*folder / "run.toml", run_toml(info)); !written)
+  core::Result<std::string> kept;
+  if (record_frames && info.files) kept = keep_files(*folder, *info.files);
+  if (!kept) return core::forward(kept);
+  if (auto written = core::write_file_atomically(*folder / "run.toml", run_toml(info) + *kept); !written)
     return core::forward(written);
   auto database = Database::open(*folder / "picks.db");
   if (!database) return core::forward(database);
@@ -115,15 +130,16 @@ core::Status RunLog::add_frame(const ShownFrame& shown, const std::vector<matche
     file = std::string("frames/") + name;
   }
   if (auto begun = database_.script("BEGIN"); !begun) return begun;
-  auto added = database_.execute("INSERT INTO frame VALUES (?1,?2,?3,?4,?5,?6,?7,?8)",
-                                 {static_cast<std::int64_t>(shown.frame.sequence), shown.frame.exposed_unix_us,
-                                  shown.frame.camera_id.str(), std::int64_t{shown.frame.picture->width()},
-                                  std::int64_t{shown.frame.picture->height()}, shown.grab_ms, shown.match_ms, file});
+  auto added = database_.execute(
+      "INSERT INTO frame VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9)",
+      {static_cast<std::int64_t>(shown.frame.sequence), shown.frame.exposed_unix_us, shown.frame.camera_id.str(),
+       std::int64_t{shown.frame.picture->width()}, std::int64_t{shown.frame.picture->height()}, shown.grab_ms,
+       shown.match_ms, file, flange_column(shown.frame)});
   for (std::size_t i = 0; added && i < shown.detections.size(); ++i) {
     const Detection& d = shown.detections[i];
     const auto pose = std::find_if(poses.begin(), poses.end(), [&](const auto& p) { return p.detection_id == d.id; });
     added = database_.execute(
-        "INSERT INTO detection VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18)",
+        "INSERT INTO detection VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)",
         detection_row(shown, d, i < found.size() ? &found[i] : nullptr, pose == poses.end() ? nullptr : &*pose));
   }
   if (!added) {

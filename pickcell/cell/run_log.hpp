@@ -1,6 +1,7 @@
 #pragma once
-/// A run is a folder: run.toml (what ran), picks.db (what was seen and done), frames/ (pictures, where wanted). For
-/// people and reports; never read to recover: that is the journal's job.
+/// A run is a folder: run.toml (what ran), picks.db (what was seen and done), and where pictures are wanted frames/ and
+/// cell/ (the files it ran with). For people, reports and replays (recorded_run.hpp); never read to recover: that is
+/// the journal's job.
 
 #include <cstdint>
 #include <filesystem>
@@ -9,11 +10,15 @@
 
 #include "pickcell/cell/cell_port.hpp"
 #include "pickcell/cell/database.hpp"
+#include "pickcell/cell/kept_files.hpp"
 #include "pickcell/core/result.hpp"
 #include "pickcell/matches/match.hpp"
 #include "pickcell/poses/part_pose.hpp"
 
 namespace pickcell::cell {
+
+/// Of run.toml and of picks.db (its user_version). 1: without codes of rejections, the arm's pose, kept files.
+constexpr int kRunFormat = 2;
 
 /// What run.toml says.
 struct RunInfo {
@@ -24,6 +29,7 @@ struct RunInfo {
   std::string engine;
   std::int64_t start_unix_us = 0;
   bool simulated = false;
+  std::optional<KeptFiles> files{};  ///< copied where pictures are kept
 };
 
 /// One pick as it ended, or as it stands.
