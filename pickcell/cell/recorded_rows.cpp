@@ -6,6 +6,7 @@
 
 #include "pickcell/cell/recorded_run.hpp"
 #include "pickcell/core/json.hpp"
+#include "pickcell/core/units.hpp"
 #include "pickcell/image/codec.hpp"
 
 namespace pickcell::cell {
@@ -111,6 +112,13 @@ core::Result<T> whole(T value, const Columns& columns) {
 }
 
 }  // namespace
+
+RecordedPlace place_of(const poses::PartPose& part) {
+  const Eigen::Vector3d p_m = part.T_base_part.translation_m();
+  const Eigen::Matrix3d R = part.T_base_part.rotation();
+  return {core::mm_from_m(p_m.x()), core::mm_from_m(p_m.y()), core::mm_from_m(p_m.z()),
+          core::deg_from_rad(std::atan2(R(1, 0), R(0, 0)))};
+}
 
 core::Result<RecordedFrame> frame_from(const SqlRow& row, const std::string& where) {
   Columns columns(row, where);

@@ -13,6 +13,7 @@
 #include "pickcell/core/result.hpp"
 #include "pickcell/core/transform.hpp"
 #include "pickcell/matches/match.hpp"
+#include "pickcell/poses/part_pose.hpp"
 
 namespace pickcell::cell {
 
@@ -30,6 +31,7 @@ struct RecordedPlace {
   double x_mm = 0, y_mm = 0, z_mm = 0;
   double angle_deg = 0;
 };
+[[nodiscard]] RecordedPlace place_of(const poses::PartPose& part);
 
 /// One thing that was seen in a picture.
 struct RecordedFind {

@@ -6,10 +6,10 @@
 #include <system_error>
 #include <utility>
 
+#include "pickcell/cell/recorded_run.hpp"
 #include "pickcell/core/date.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
-#include "pickcell/core/units.hpp"
 #include "pickcell/image/codec.hpp"
 
 namespace pickcell::cell {
@@ -88,10 +88,8 @@ SqlRow detection_row(const ShownFrame& shown, const Detection& d, const matches:
              sigma(2),
              match ? SqlValue(match->visible) : SqlValue(std::monostate{})};
   if (pose) {
-    const Eigen::Vector3d p_m = pose->T_base_part.translation_m();
-    const Eigen::Matrix3d R = pose->T_base_part.rotation();
-    for (int i = 0; i < 3; ++i) row.emplace_back(core::mm_from_m(p_m(i)));
-    row.emplace_back(core::deg_from_rad(std::atan2(R(1, 0), R(0, 0))));
+    const RecordedPlace place = place_of(*pose);
+    for (const double v : {place.x_mm, place.y_mm, place.z_mm, place.angle_deg}) row.emplace_back(v);
   } else {
     row.resize(row.size() + 4);
   }

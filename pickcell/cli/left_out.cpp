@@ -30,7 +30,7 @@ Runner add_of_cell(CLI::App& app) { return say_missing(app, "cell, only the matc
 const Registration of_cell[] = {
     Registration({"serve", kSummary, add_of_cell}), Registration({"start", kSummary, add_of_cell}),
     Registration({"sim", kSummary, add_of_cell}),   Registration({"camera", kSummary, add_of_cell}),
-    Registration({"robot", kSummary, add_of_cell}),
+    Registration({"robot", kSummary, add_of_cell}), Registration({"replay", kSummary, add_of_cell}),
 };
 
 #endif

@@ -64,7 +64,7 @@ Json CellReport::json() const {
   out.set("place_deg", places ? spread(places->deg, true) : Json());
   out.set("match_ms", spread(match_ms, false)).set("cycle_s", spread(cycle_s, false));
   out.set("sim_seconds", sim_seconds).set("wall_seconds", wall_seconds);
-  out.set("unknown", counters.unknown).set("good", good()).set("end", end);
+  out.set("unknown", counters.unknown).set("good", good()).set("end", end).set("run", run);
   return out;
 }
 
@@ -88,7 +88,7 @@ std::string CellReport::words() const {
     out += line("not picked: %lld because of %s\n", static_cast<long long>(count), reason.c_str());
   out += line("matching: median %.0f ms; cycle: median %.2f s; %.1f s of the cell's time in %.1f s\n",
               core::median(match_ms).value_or(0), core::median(cycle_s).value_or(0), sim_seconds, wall_seconds);
-  return out + "the cell stands: " + end + "\n";
+  return out + "the cell stands: " + end + "\nits record: " + run + "\n";
 }
 
 }  // namespace pickcell::cli

@@ -31,6 +31,7 @@ struct CellReport {
   std::optional<PlaceErrors> places;  ///< empty on a real cell
   double sim_seconds = 0, wall_seconds = 0;
   double limit_mm = 1, limit_deg = 1;
+  std::string run;  ///< the folder of its record
   std::string end;  ///< why the cell stands
 
   /// All that were asked for are placed, none wrong, none twice, none lost.

@@ -44,6 +44,7 @@ core::Result<int> run_for_picks(const CellRun& run, Io& io) {
   report.limit_mm = run.file.cell.limits.place_mm;
   report.limit_deg = run.file.cell.limits.place_deg;
   report.end = last.reason;
+  report.run = setup->cell->ledger().run_folder().string();
   if (setup->plant && setup->plant->controller)
     report.places = judge_places(setup->plant->world, end, setup->cell->settings().planner);
   io.out << (run.json ? report.json().dump() + "\n" : report.words());
@@ -63,6 +64,8 @@ core::Result<int> run_with_page([[maybe_unused]] const CellRun& run, [[maybe_unu
   server::Server server(settings, *setup->cell);
   if (auto started = server.start(); !started) return core::forward(started);
   setup->cell->open();
+  if (run.file.cell.record_frames)
+    io.err << "pickcell: recording into " << setup->cell->ledger().run_folder().string() << std::endl;
   io.err << "pickcell: ready at " << server.url() << " (Ctrl-C ends)" << std::endl;
   signals.wait();
   server.stop();

@@ -15,6 +15,7 @@ struct Options {
   std::string listen;
   std::string web_root;
   bool json = false;
+  bool record = false;
 };
 
 core::Result<int> run(const Options& options, Io& io) {
@@ -22,6 +23,7 @@ core::Result<int> run(const Options& options, Io& io) {
     return core::forward(fits);
   auto file = load_cell_file(options.file);
   if (!file) return core::forward(file);
+  if (options.record) file->cell.record_frames = true;
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
   if (!options.web_root.empty()) cell_run.web_root = options.web_root;
@@ -38,6 +40,7 @@ Runner add(CLI::App& app) {
   app.add_option("--web-root", options->web_root, "the page from this folder, instead of the embedded one")
       ->type_name("DIR");
   app.add_flag("--json", options->json, "with --picks: the report as one line of JSON");
+  app.add_flag("--record", options->record, "keep every picture with what searched it, for pickcell replay");
   return [options](Io& io) { return run(*options, io); };
 }
 

@@ -4,12 +4,11 @@
 
 #include "pickcell/cli/cell/calibration.hpp"
 #include "pickcell/cli/cell/job.hpp"
+#include "pickcell/cli/cell/models.hpp"
 #include "pickcell/cli/cell/paced_source.hpp"
 #include "pickcell/cli/robot/link.hpp"
-#include "pickcell/core/units.hpp"
 #include "pickcell/frames/open_source.hpp"
 #include "pickcell/matches/engine.hpp"
-#include "pickcell/matches/model_file.hpp"
 #include "pickcell/poses/calibration.hpp"
 #include "pickcell/robot/job_robot.hpp"
 #include "pickcell/sim/shipped_jobs.hpp"
@@ -59,24 +58,6 @@ core::Result<RobotAddress> parse_link(const CellFile& file) {
     return failure(ErrorCode::usage, where, "MotoROS has no variables and no jobs, which picking needs",
                    "use tcp80:// or hses://");
   return address;
-}
-
-core::Result<std::vector<matches::Model>> load_models(const cell::CellConfig& config) {
-  std::vector<matches::Model> models;
-  for (const cell::PartConfig& part : config.parts) {
-    auto model = matches::load_model(part.model);
-    if (!model) return core::forward(model);
-    if (part.height_mm) model->height_m = core::m_from_mm(*part.height_mm);
-    if (model->grasps.empty())
-      return failure(ErrorCode::unreadable, part.model.string(), "the model has no grasp",
-                     "teach it again with --grasp x,y,deg");
-    for (const matches::Model& other : models)
-      if (other.name == model->name)
-        return failure(ErrorCode::unreadable, part.model.string(), "another part is called '" + model->name + "' too",
-                       "teach one of them under another name");
-    models.push_back(std::move(*model));
-  }
-  return models;
 }
 
 core::Result<cell::Vision> make_vision(const cell::CellConfig& config, cell::Vision::Settings calibration,
@@ -215,13 +196,20 @@ CellSetup& CellSetup::operator=(CellSetup&& other) noexcept {
   return *this;
 }
 
-core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
+core::Result<CellFile> read_cell_file(const std::filesystem::path& path) {
   auto config = core::Config::load(path);
   if (!config) return core::forward(config);
   CellFile out;
   out.cell = cell::read_cell_config(*config, path);
   out.sim = read_simulation(config->table("sim"));
   if (auto finished = config->finish(); !finished) return core::forward(finished);
+  return out;
+}
+
+core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
+  auto file = read_cell_file(path);
+  if (!file) return file;
+  CellFile& out = *file;
   if (auto known = check_source(out.cell.camera.source, path); !known) return core::forward(known);
   if (out.cell.robot.link == "sim" && !sim::arm_model(out.cell.robot.model))
     return failure(ErrorCode::usage, path.string(),
@@ -229,7 +217,7 @@ core::Result<CellFile> load_cell_file(const std::filesystem::path& path) {
                    "use gp7, gp8 or motomini");
   if (out.cell.robot.link != "sim")
     if (auto link = parse_link(out); !link) return core::forward(link);
-  return out;
+  return file;
 }
 
 SimulatedPlant::SimulatedPlant(const SimulationConfig& config, const std::string& camera_id, const core::Clock& clock)
@@ -278,11 +266,11 @@ core::Status restart_pc(CellSetup& setup, const CellFile& file, const CellRunOpt
     return failure(ErrorCode::usage, file.cell.file.string(), "nobody is there to take the board away with --picks",
                    "mount the board in the picture (verify_at_start = \"board_stays\"), or run with the page");
   if (auto robot = make_robot(setup, file, options); !robot) return core::forward(robot);
-  auto log =
-      cell::RunLog::create(file.cell.state_dir / "runs",
-                           {file.cell.name, std::filesystem::absolute(file.cell.file), (*source)->info().camera_id,
-                            file.cell.robot.link, vision->engine_name(), setup.clock->unix_us(), settings.simulated},
-                           file.cell.record_frames);
+  auto log = cell::RunLog::create(
+      file.cell.state_dir / "runs",
+      {file.cell.name, std::filesystem::absolute(file.cell.file), (*source)->info().camera_id, file.cell.robot.link,
+       vision->engine_name(), setup.clock->unix_us(), settings.simulated, cell::files_of(file.cell)},
+      file.cell.record_frames);
   if (!log) return core::forward(log);
   setup.cell = std::make_unique<cell::Cell>(
       cell::CellParts{*setup.clock, std::move(seat), **source, *setup.robot, std::move(*vision), std::move(*log),

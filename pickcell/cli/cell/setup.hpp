@@ -45,7 +45,9 @@ struct CellFile {
   [[nodiscard]] bool wholly_simulated() const { return cell.camera.source == "sim" && cell.robot.link == "sim"; }
 };
 
-/// Errors name the file and the key. Sources and links that do not exist yet are refused.
+/// Errors name the file and the key. Whether camera and robot can be reached is not asked.
+[[nodiscard]] core::Result<CellFile> read_cell_file(const std::filesystem::path& path);
+/// The same for a cell that is to run: sources and links that this build does not have are refused.
 [[nodiscard]] core::Result<CellFile> load_cell_file(const std::filesystem::path& path);
 
 /// The simulated plant: world, camera and controller. The controller answers on a loopback port of its own.

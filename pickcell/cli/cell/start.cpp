@@ -18,6 +18,7 @@ namespace {
 struct Options {
   std::int64_t picks = 0;
   bool json = false;
+  bool record = false;
   std::string cell;
   std::string robot = "tcp80";
   std::string camera = "inprocess";
@@ -71,6 +72,7 @@ core::Result<int> run(const Options& options, Io& io) {
                      "leave it out");
     file->sim.camera_over_gige = true;
   }
+  if (options.record) file->cell.record_frames = true;
   CellRun cell_run{std::move(*file), options.picks, std::nullopt, options.json};
   if (!options.listen.empty()) cell_run.listen = options.listen;
   if (!options.web_root.empty()) cell_run.web_root = options.web_root;
@@ -91,6 +93,7 @@ Runner add(CLI::App& app) {
   app.add_option("--listen", options->listen, "address and port of the page")->type_name("ADDR:PORT");
   app.add_option("--web-root", options->web_root, "the page from this folder, instead of the embedded one")
       ->type_name("DIR");
+  app.add_flag("--record", options->record, "keep every picture with what searched it, for pickcell replay");
   return [options](Io& io) { return run(*options, io); };
 }
 
