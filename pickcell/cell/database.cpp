@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cctype>
 #include <system_error>
 
@@ -63,6 +64,8 @@ void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handl
 
 core::Error Database::error(std::string_view doing) const {
   std::string why = std::string(doing) + ": " + (handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory");
+  // SQLite quotes what it found in the file.
+  std::replace_if(why.begin(), why.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
   return {ErrorCode::unreadable, name_, std::move(why), "check the disk and the file; move a damaged file aside", {}};
 }
 

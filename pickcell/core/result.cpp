@@ -7,7 +7,7 @@ namespace pickcell::core {
 std::string Error::line() const {
   std::string text = what + ": " + why;
   if (!remedy.empty()) text += "; " + remedy;
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;
 }
 

@@ -129,9 +129,13 @@ class HandEyeCell : public WalkingCell {
     return {Eigen::Vector3d(1, -1, -1).asDiagonal(), {0.3, 0, 0.25}};
   }
   void expect_good_picks() {
-    const Said said = serve(3);
+    const Said said = pickcell({"serve", (folder_ / "CELL.toml").string(), "--picks", "3", "--json", "--record"});
     EXPECT_EQ(said.code, 0) << said.report.dump() << said.err;
     EXPECT_EQ(said.report["placed"].integer(), 3);
+    // The record holds what it takes to come to the same places again.
+    const Said again = pickcell({"replay", said.report["run"].string(), "--tolerance", "1e-6,1e-6,1e-6", "--json"});
+    EXPECT_EQ(again.code, 0) << again.report.dump() << again.err;
+    EXPECT_GE(again.report["finds"]["same"].integer(), 3);
   }
 };
 

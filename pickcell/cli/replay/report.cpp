@@ -1,6 +1,6 @@
 #include "pickcell/cli/replay/report.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 
 #include "pickcell/core/statistics.hpp"
@@ -53,14 +53,24 @@ Json to_json(const ChangedFrame& frame, const FindChange& find) {
   return out;
 }
 
-/// What is done with it: nothing to say when it is not turned down.
+/// Texts of a log may come from anywhere, and a terminal obeys control characters.
+std::string printable(std::string text) {
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return text;
+}
+
+std::string where(const RecordedFind& find) {
+  return line(" (at %.1f, %.1f px, score %.2f)", find.pose.x_px, find.pose.y_px, find.score);
+}
+
 std::string fate(const RecordedFind& find) {
-  return find.rejected ? "turned down: " + (find.why.empty() ? find.code.value_or("?") : find.why) : "good to pick";
+  if (!find.rejected) return "good to pick";
+  return "turned down: " + printable(find.why.empty() ? find.code.value_or("?") : find.why);
 }
 
 std::string words_of(const FindChange& find) {
-  if (find.change == Change::lost) return "was " + fate(*find.recorded);
-  if (find.change == Change::added) return "is " + fate(*find.now);
+  if (find.change == Change::lost) return "was " + fate(*find.recorded) + where(*find.recorded);
+  if (find.change == Change::added) return "is " + fate(*find.now) + where(*find.now);
   std::string out;
   const auto add = [&](const char* word) { out += (out.empty() ? "" : ", ") + std::string(word); };
   if (find.moved) add("moved");
@@ -76,7 +86,7 @@ std::string cell_text(const char* format, const std::optional<double>& value) {
 std::string row(const ChangedFrame& frame, const FindChange& find) {
   const bool both = find.recorded && find.now;
   const auto of_both = [&](double value) { return both ? std::optional(value) : std::nullopt; };
-  const std::string part = find.recorded ? find.recorded->part : find.now->part;
+  const std::string part = printable(find.recorded ? find.recorded->part : find.now->part);
   return line("%8lld  %-14.40s %-8s %8s %9s %8s %7s  %.400s\n", static_cast<long long>(frame.sequence), part.c_str(),
               name(find.change), cell_text("%.2f", of_both(find.off_px)).c_str(),
               cell_text("%+.2f", of_both(find.off_deg)).c_str(), cell_text("%.2f", find.off_mm).c_str(),
@@ -134,10 +144,10 @@ Json to_json(const Replay& r) {
 }
 
 std::string to_words(const Replay& r) {
-  std::string out = line("%zu frames: %zu same, %zu changed, %zu without a picture, %zu unreadable\n", r.frames, r.same,
+  std::string out = line("frames %zu: %zu same, %zu changed, %zu without a picture, %zu unreadable\n", r.frames, r.same,
                          r.changed.size(), r.without_picture, r.unreadable);
-  out += line("%zu finds recorded: %zu same, %zu changed, %zu lost; %zu new\n", r.finds_recorded, r.finds_same,
-              r.finds_changed, r.finds_lost, r.finds_new);
+  out += line("finds %zu: %zu same, %zu changed, %zu lost; %zu new\n", r.finds_recorded, r.finds_same, r.finds_changed,
+              r.finds_lost, r.finds_new);
   out += line("largest difference: %.3f px, %.3f deg, %.3f mm\n", r.most_px, r.most_deg, r.most_mm);
   if (const auto then = core::median(r.recorded_ms), now = core::median(r.now_ms); then && now)
     out += line("matching: median %.1f ms as recorded, %.1f ms now\n", *then, *now);

@@ -189,9 +189,8 @@ void note_gaps(const RecordedRun& run, Replay& out) {
   for (const fs::directory_entry& entry : fs::directory_iterator(run.folder() / "frames", problem))
     unlogged += !logged.contains("frames/" + entry.path().filename().string());
   if (unlogged > 0)
-    out.notes.push_back(std::to_string(unlogged) +
-                        " pictures in frames/ are not in the log: the run was cut off after "
-                        "they were written");
+    out.notes.push_back("pictures in frames/ that are not in the log: " + std::to_string(unlogged) +
+                        " (the run was cut off after they were written)");
 }
 
 }  // namespace
