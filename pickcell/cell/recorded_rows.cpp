@@ -1,4 +1,4 @@
-/// Rows of a recorded run, checked column by column (recorded_run.hpp).
+/// What a recorded run says, checked key by key and column by column (recorded_run.hpp).
 
 #include <cmath>
 #include <limits>
@@ -112,6 +112,20 @@ core::Result<T> whole(T value, const Columns& columns) {
 }
 
 }  // namespace
+
+RecordedInfo read_run_toml(core::Config& file, const std::filesystem::path& run) {
+  RecordedInfo info;
+  info.format = static_cast<int>(file.integer_or("format", 1));
+  info.started = file.string("started");
+  info.cell_name = file.string("cell");
+  info.cell_file = file.string("cell_file");
+  info.camera_id = file.string("camera_id");
+  info.robot_link = file.string("robot_link");
+  info.engine = file.string("engine");
+  info.simulated = file.boolean_or("simulated", false);
+  if (auto kept = file.table_if("kept")) info.kept = read_kept(*kept, run);
+  return info;
+}
 
 RecordedPlace place_of(const poses::PartPose& part) {
   const Eigen::Vector3d p_m = part.T_base_part.translation_m();

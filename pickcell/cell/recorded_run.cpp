@@ -52,20 +52,6 @@ core::Status check_tables(Database& database, int format, const std::string& nam
 
 }  // namespace
 
-RecordedInfo read_run_toml(core::Config& file, const fs::path& run) {
-  RecordedInfo info;
-  info.format = static_cast<int>(file.integer_or("format", 1));
-  info.started = file.string("started");
-  info.cell_name = file.string("cell");
-  info.cell_file = file.string("cell_file");
-  info.camera_id = file.string("camera_id");
-  info.robot_link = file.string("robot_link");
-  info.engine = file.string("engine");
-  info.simulated = file.boolean_or("simulated", false);
-  if (auto kept = file.table_if("kept")) info.kept = read_kept(*kept, run);
-  return info;
-}
-
 core::Result<RecordedRun> RecordedRun::open(const fs::path& folder) {
   auto info = load_run_toml(folder);
   if (!info) return core::forward(info);

@@ -1,10 +1,11 @@
-// CELL.toml: what is accepted can be worked with, what is not is named on one line.
+// CELL.toml and run.toml: what is accepted can be worked with, what is not is named on one line.
 
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
 
 #include "pickcell/cell/cell_config.hpp"
+#include "pickcell/cell/recorded_run.hpp"
 
 namespace {
 
@@ -29,10 +30,35 @@ void check(const cell::CellConfig& c) {
   for (const cell::PartConfig& part : c.parts) need(part.place.rows > 0 && part.place.cols > 0);
 }
 
+/// A run from elsewhere names files of its own folder only.
+void check_run(std::string_view text) {
+  auto file = core::Config::parse(text, "fuzz");
+  if (!file) return;
+  const cell::RecordedInfo info = cell::read_run_toml(*file, "/runs/1");
+  if (!file->finish() || !info.kept) return;
+  for (const auto& path : {info.kept->cell, info.kept->camera, info.kept->plane, info.kept->handeye})
+    need(path.empty() || path.parent_path() == "/runs/1/cell");
+  need(!info.kept->models.empty());
+  for (const auto& path : info.kept->models) need(path.parent_path() == "/runs/1/cell" && path.filename() != "..");
+}
+
+/// The columns of picks.db that are texts with a form.
+void check_row(std::string_view text) {
+  const std::int64_t one = 1;
+  const std::string words(text);
+  const cell::SqlRow row{one, one, words, one, one, 1.0, words, words};
+  const auto frame = cell::frame_from(row, "row");
+  need(!frame || (frame->file.starts_with("frames/") && frame->T_base_flange));
+  const auto posed = cell::frame_from({one, one, words, one, one, 1.0, std::monostate{}, words}, "row");
+  need(!posed || std::abs(posed->T_base_flange->rotation().determinant() - 1) < 1e-4);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
+  check_run(text);
+  check_row(text);
   auto file = core::Config::parse(text, "fuzz");
   if (!file) return 0;
   const cell::CellConfig config = cell::read_cell_config(*file, "/cells/fuzz.toml");
