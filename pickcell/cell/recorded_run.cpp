@@ -38,6 +38,9 @@ core::Status check_tables(Database& database, int format, const std::string& nam
   const auto version = database.execute("PRAGMA user_version");
   if (!version) return tl::unexpected(version.error());
   const std::int64_t found = version->empty() ? 0 : as_integer(version->front().front());
+  if (found == 0)
+    return failure(ErrorCode::unreadable, name, "it is empty",
+                   "what a run that was not closed wrote stands beside it in picks.db-wal: copy that too");
   if (found != format)
     return failure(ErrorCode::unreadable, name,
                    "format " + std::to_string(found) + ", and run.toml says " + std::to_string(format),

@@ -239,6 +239,8 @@ TEST_F(RecordedRunTest, WhatIsNoRunSaysWhy) {
   EXPECT_EQ(refusal(run), "none");
   fs::resize_file(run / "picks.db", 5000);
   EXPECT_THAT(refusal(run), ::testing::HasSubstr("picks.db: "));
+  fs::resize_file(run / "picks.db", 0);  // copied without its -wal, this is what is left of a run that goes on
+  EXPECT_THAT(refusal(run), ::testing::HasSubstr("picks.db: it is empty; what a run that was not closed wrote"));
   fs::remove(run / "picks.db");
   EXPECT_THAT(refusal(run), ::testing::HasSubstr("picks.db: no such file"));
   EXPECT_FALSE(fs::exists(run / "picks.db")) << "reading makes no database";

@@ -199,9 +199,11 @@ core::Result<Replay> replay(const ReplayOptions& options, const std::function<vo
   auto run = RecordedRun::open(options.run);
   if (!run) return core::forward(run);
   const std::vector<RecordedFrame>& frames = run->frames();
+  if (frames.empty())
+    return failure(ErrorCode::unreadable, options.run.string(), "the run ended before it looked at a picture",
+                   "name another run");
   if (std::all_of(frames.begin(), frames.end(), [](const RecordedFrame& frame) { return frame.file.empty(); }))
-    return failure(ErrorCode::unreadable, options.run.string(),
-                   frames.empty() ? "the run holds no frame" : "the run kept no pictures",
+    return failure(ErrorCode::unreadable, options.run.string(), "the run kept no pictures",
                    "record with --record, or record_frames = true in [cell]");
   Replay out;
   out.options = options;
