@@ -20,7 +20,7 @@ constexpr double kScaleSlack = 0.05;
 const LevelModel& RstRefine::level(const RstModel& model) {
   auto& own = levels_[&model];
   if (!own)
-    own = std::make_unique<LevelModel>(LevelModel{choose_grey_points(model.pyramid, 0, kGreyPoints),
+    own = std::make_unique<LevelModel>(LevelModel{choose_grey_points(model.pyramid, 0, kGreyPoints), GreyPoints{},
                                                   choose_edge_points(model.pyramid, 0, kEdgePoints),
                                                   choose_contour_points(model.pyramid, 0, kContourPoints)});
   return *own;
