@@ -162,6 +162,10 @@ void field_part_impl(image::ImageView picture, const FieldPart& part, Orientatio
   const hn::Rebind<std::uint16_t, DF> d16;
   const int lanes = static_cast<int>(hn::Lanes(DF())), width = part.x1 - part.x0;
   PartRows rows;
+  for (int y = part.y0; y < part.y1; ++y) {
+    __builtin_prefetch(out.row(y) + 2 * part.x0, 1);
+    __builtin_prefetch(out.row(y) + 2 * part.x1 - 1, 1);
+  }
   smooth_down(picture, part, rows);
   if (part.x0 == 0 || part.x1 == picture.width()) repeat_border(picture, part, rows);
   for (int y = 0; y < part.y1 - part.y0; ++y) {

@@ -13,12 +13,14 @@ constexpr double kFixedScaleSlack = 0.02;  // the scale is known: what is left i
 constexpr double kStepLimit_px = 2.0;      // of the rim, pixels of the level
 constexpr double kRunAway_px = 4.0;        // pixels of the level
 constexpr int kFinalSteps = 8;
+constexpr double kClimbStop_px = 0.05;   // rim movement, pixels of the level, that the next level down does as well
 constexpr double kFinalStop_px = 0.01;   // rim movement at which Gauss-Newton has arrived
-constexpr double kNear_px = 0.1;         // the same, with few points ...
-constexpr double kNearNcc = 0.95;        // ... which an occluder pulls further than many: then all go from the start
+constexpr double kNear_px = 0.1;         // the same, with few points
+constexpr double kSureNcc = 0.95;        // below it few points are too few: an occluder pulls them further than many
 constexpr double kClearlyBetter = 0.02;  // of the score
 constexpr double kRobustBelowNcc = 0.92;
-constexpr double kGoodNcc = 0.9;  // with kGoodEdge: contours cannot say more than the grey values did
+constexpr double kSureEdge = 0.8;  // with kSureNcc: on the way down contours need not be asked
+constexpr double kGoodNcc = 0.9;   // with kGoodEdge: contours cannot say more than the grey values did
 constexpr double kGoodEdge = 0.7;
 constexpr ContourSearch kClimbContour{2, 2.5f, false};
 constexpr double kDip = 0.05;               // of the score: what the first steps towards a better place may cost
@@ -133,7 +135,7 @@ class Descent {
     Similarity near = start;
     if (model_.few.size() > 0) {
       near = run(start, {model_.few, kFinalSteps, kNear_px, fit_grey, nullptr}, see);
-      if (last->second.ncc < kNearNcc) near = start;
+      if (last->second.ncc < kSureNcc) near = start;
     }
     run(near, {model_.grey, kFinalSteps, kFinalStop_px}, see);
     return {judged(scene_, model_, first->first, first->second), judged(scene_, model_, last->first, last->second)};
@@ -198,8 +200,9 @@ Hypothesis climb(const SceneLevel& scene, const LevelModel& model, const Similar
   Descent descent(scene, model, scale, scratch);
   Hypothesis best;
   best.score = -2;
-  descent.run(start, {model.grey, grey_steps, 0},
+  descent.run(start, {model.grey, grey_steps, std::ldexp(kClimbStop_px, scene.level)},
               [&](const Similarity& s, const GreyFit& f) { keep_better(judged(scene, model, s, f), best); });
+  if (best.ncc >= kSureNcc && best.edge >= kSureEdge && !model.grey.flat()) return best;
   if (const auto moved = fit_contours(scene.grey, scene.level, model.contours, start, kClimbContour, scratch.contour))
     keep_better(evaluate(scene, model, descent.in_range(*moved), scratch), best);
   return best;
