@@ -3,6 +3,7 @@
 /// Pictures and fields must be Planes' (a few bytes past a row may be read). Answers of SIMD targets differ in the last
 /// bits.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pickcell/image/image.hpp"
@@ -10,8 +11,12 @@
 
 namespace pickcell::matches {
 
-/// Columns over the points; every array has room up to a multiple of kPointBlock, filled with zeros.
+/// Columns over the points; every array has room for padded_to_blocks values, filled with zeros.
 constexpr int kPointBlock = 16;
+/// Whole blocks, and one more for kernels that begin anywhere.
+[[nodiscard]] constexpr std::size_t padded_to_blocks(std::size_t points) {
+  return (points / kPointBlock + 2) * kPointBlock;
+}
 
 struct PointColumns {
   const float* qx;
