@@ -181,7 +181,9 @@ std::optional<Hypothesis> by_contours(const SceneLevel& scene, const LevelModel&
     return evaluate(scene, model, descent.in_range(*moved), scratch);
   };
   auto best = led(from.place, kFirstContour);
-  if (!best || (best->score <= from.score - kDip && !model.grey.flat())) return {};
+  // Where grey values agree well already, contours must go uphill at once; else they may lead over a dip.
+  const double least = from.score + (from.ncc >= kGoodNcc ? kClearlyBetter / 2 : -kDip);
+  if (!best || (best->score <= least && !model.grey.flat())) return {};
   if (const auto on = led(best->place, kFinalContour)) keep_better(*on, *best);
   if (best->score <= from.score + (model.grey.flat() ? -kClearlyBetter : kClearlyBetter)) return {};
   return best;

@@ -31,11 +31,8 @@ double read_samples(image::ImageView level, const GreyPoints& p, const LevelMap&
   out.scene.resize(p.qx.size());
   out.weight.resize(p.qx.size());
   fetch_under(level, p, m);
-  sample_points(level, p.columns(), m, out.scene.data(), out.weight.data());
-  const auto n = static_cast<std::size_t>(p.size());
+  const int in = sample_points(level, p.columns(), m, out.scene.data(), out.weight.data());
   std::fill(out.weight.begin() + p.size(), out.weight.end(), 0.f);
-  std::size_t in = 0;
-  for (std::size_t i = 0; i < n; ++i) in += out.weight[i] > 0 ? 1 : 0;
   return static_cast<double>(in) / p.size();
 }
 
