@@ -113,7 +113,9 @@ class PointLoad {
     find_edges(picture_.view(), {x_.data(), y_.data(), nx_.data(), ny_.data(), kPoints}, kMap, 2.5f, smooth,
                out_.data());
   }
-  void field() { orientation_field_part(picture_.view(), 64, 64, 128, 128, field_); }
+  void field() {
+    orientation_field_part(picture_.view(), {64, 64, 64 + kFieldPartWidth, 64 + kFieldPartHeight}, field_);
+  }
 
  private:
   using Column = std::vector<float>;
@@ -166,7 +168,7 @@ std::vector<Work> highway_work() {
       {"find_edges", 2 * kSamples * kPoints, reads, [=] { points->edges(false); }},
       {"find_edges_smooth", 6 * kSamples * kPoints, reads, [=] { points->edges(true); }},
       {"sum_weighted", 33 * kPoints, steps, [=] { points->sum_weights(); }},
-      {"orientation_field", 33.0 * 64 * 64, steps, [=] { points->field(); }},
+      {"orientation_field", 33.0 * kFieldPartWidth * kFieldPartHeight, steps, [=] { points->field(); }},
       {"mean_lists", paper->additions() / 2, steps, [=] { paper->means(); }},
       {"dots", paper->products(), products, [=] { paper->radial(); }},
   };

@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pickcell::matches {
 namespace {
 
 constexpr int kGreyPoints[] = {4096, 512, 256};  // level 0, between, coarsest
+constexpr int kFewGreyPoints = 1024;             // level 0, to come near with
 constexpr int kEdgePoints[] = {600, 400, 400};
 constexpr int kContourPoints[] = {500, 200, 100};
 
 LevelModel make_level(const TemplatePyramid& t, int level, int coarsest) {
   const int kind = level == 0 ? 0 : level == coarsest ? 2 : 1;
-  return {choose_grey_points(t, level, kGreyPoints[kind]), choose_edge_points(t, level, kEdgePoints[kind]),
+  GreyPoints grey = choose_grey_points(t, level, kGreyPoints[kind]);
+  GreyPoints few;
+  if (grey.size() >= 2 * kFewGreyPoints && !grey.flat()) few = choose_grey_points(t, level, kFewGreyPoints);
+  return {std::move(grey), std::move(few), choose_edge_points(t, level, kEdgePoints[kind]),
           choose_contour_points(t, level, kContourPoints[kind])};
 }
 

@@ -77,15 +77,8 @@ std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch
 }  // namespace
 
 void need_under(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
-  float x0 = m.x, x1 = m.x, y0 = m.y, y1 = m.y;
-  for (const float qx : {e.x_lo, e.x_hi})
-    for (const float qy : {e.y_lo, e.y_hi}) {
-      const float x = m.x + m.a * qx + m.b * qy, y = m.y - m.b * qx + m.a * qy;
-      x0 = std::min(x0, x), x1 = std::max(x1, x);
-      y0 = std::min(y0, y), y1 = std::max(y1, y);
-    }
-  const auto whole = [](float v) { return static_cast<int>(std::clamp(v, -1e6f, 1e6f)); };
-  scene.need(whole(x0) - 2, whole(y0) - 2, whole(x1) + 3, whole(y1) + 3);
+  const PixelBox box = box_under(e.x_lo, e.x_hi, e.y_lo, e.y_hi, m);
+  scene.need(box.x0, box.y0, box.x1, box.y1);
 }
 
 double edge_score(LazyField& scene, const EdgePoints& e, const LevelMap& m) {

@@ -38,7 +38,7 @@ std::vector<Item> strongest_per_cell(const std::vector<Item>& all, int max_items
 
 /// Zeros up to whole kPointBlocks, as the kernels want them.
 void pad(std::initializer_list<std::vector<float>*> columns) {
-  for (auto* c : columns) c->resize((c->size() + kPointBlock - 1) / kPointBlock * kPointBlock, 0.f);
+  for (auto* c : columns) c->resize(padded_to_blocks(c->size()), 0.f);
 }
 
 struct Anchor {
@@ -121,8 +121,19 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
   const Anchor anchor = anchor_at(t, level);
   EdgePoints out;
   float sum = 0;
-  for (const EdgePoint& p : strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
-                                               [](const EdgePoint& e) { return e.c2 * e.c2 + e.s2 * e.s2; })) {
+  std::vector<EdgePoint> chosen = strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
+                                                     [](const EdgePoint& e) { return e.c2 * e.c2 + e.s2 * e.s2; });
+  if (!chosen.empty()) {
+    const auto [x_lo, x_hi] = std::minmax_element(chosen.begin(), chosen.end(),
+                                                  [](const EdgePoint& a, const EdgePoint& b) { return a.x < b.x; });
+    const auto [y_lo, y_hi] = std::minmax_element(chosen.begin(), chosen.end(),
+                                                  [](const EdgePoint& a, const EdgePoint& b) { return a.y < b.y; });
+    const BlockGrid grid(x_lo->x, x_hi->x, y_lo->y, y_hi->y);
+    out.x_lo = x_lo->x - anchor.x, out.x_hi = x_hi->x - anchor.x;
+    out.y_lo = y_lo->y - anchor.y, out.y_hi = y_hi->y - anchor.y;
+    out.blocks = grid.sort(chosen);
+  }
+  for (const EdgePoint& p : chosen) {
     out.x.push_back(p.x - anchor.x);
     out.y.push_back(p.y - anchor.y);
     out.c2.push_back(p.c2);
@@ -131,11 +142,6 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
     ++out.count;
   }
   out.norm = sum > 0 ? 1 / sum : 0.f;
-  if (out.count > 0) {
-    const auto [x_lo, x_hi] = std::minmax_element(out.x.begin(), out.x.end());
-    const auto [y_lo, y_hi] = std::minmax_element(out.y.begin(), out.y.end());
-    out.x_lo = *x_lo, out.x_hi = *x_hi, out.y_lo = *y_lo, out.y_hi = *y_hi;
-  }
   pad({&out.x, &out.y, &out.c2, &out.s2});
   return out;
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pickcell/matches/contour_kernel.hpp"
-#include "pickcell/matches/point_kernels.hpp"
+#include "pickcell/matches/score_kernels.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
@@ -17,6 +17,7 @@ struct EdgePoints {
   int count = 0;
   float norm = 0;                                ///< 1 / sum |field|^2: the template scores 1 against itself
   float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (x, y)
+  BlockBegins blocks{};                          ///< of the score: the points lie block by block
 
   [[nodiscard]] EdgeColumns columns() const { return {x.data(), y.data(), c2.data(), s2.data(), count}; }
 };

@@ -25,27 +25,22 @@ WeightedSolution robust_solution(const GreyPoints& p, WeightedSamples& samples) 
 
 }  // namespace
 
-FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const LevelMap& m, WeightedSamples& samples) {
+FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const GreyPoints& few, const LevelMap& m,
+                     WeightedSamples& samples) {
   FitQuality q;
-  read_samples(level, p, m, samples);
-  const WeightedSolution s = robust_solution(p, samples);
+  const GreyPoints& enough = few.size() > 0 ? few : p;  // for gain, offset and noise
+  read_samples(level, enough, m, samples);
+  const WeightedSolution s = robust_solution(enough, samples);
   if (!s.ok) return q;
   const double contrast = std::abs(s.gain) * std::sqrt(p.energy / p.size());
-  const double noise = static_cast<double>(robust_noise(p, s, samples));
+  const double noise = static_cast<double>(robust_noise(enough, s, samples));
   const auto limit = static_cast<float>(std::max(kAgreeSigmas * noise, kAgreeContrast * contrast));
-  int agree = 0;
-  double square = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(p.size()); ++i) {
-    if (samples.weight[i] == 0.f) continue;
-    const float r = samples.scene[i] - static_cast<float>(s.offset) - static_cast<float>(s.gain) * p.t[i];
-    samples.weight[i] = std::abs(r) <= limit ? 1.f : 0.f;
-    if (samples.weight[i] == 0.f) continue;
-    ++agree;
-    square += static_cast<double>(r) * static_cast<double>(r);
-  }
-  q.visible = static_cast<double>(agree) / p.size();
-  if (agree < kFewestPoints || s.gain <= kLeastGain) return q;
-  q.noise = std::sqrt(square / (agree - 6));
+  read_samples(level, p, m, samples);
+  const Agreement agree = keep_agreeing(p.columns(), samples.scene.data(), static_cast<float>(s.offset),
+                                        static_cast<float>(s.gain), limit, samples.weight.data());
+  q.visible = static_cast<double>(agree.points) / p.size();
+  if (agree.points < kFewestPoints || s.gain <= kLeastGain) return q;
+  q.noise = std::sqrt(agree.square / (agree.points - 6));
   Vector6 unused;
   const Eigen::FullPivLU<Matrix6> lu(weighted_normal(p, samples, unused));
   if (!lu.isInvertible()) return q;

@@ -16,9 +16,10 @@ struct FitQuality {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (dx, dy, turn, growth), pixels of the level
 };
 
+/// few: of the same part; gain, offset and noise are taken from them, unless they are none.
 /// covariance = noise^2 / gain^2 * inverse of the normal matrix of the agreeing points, offset and gain eliminated.
-[[nodiscard]] FitQuality judge_fit(image::ImageView level, const GreyPoints& points, const LevelMap& map,
-                                   WeightedSamples& scratch);
+[[nodiscard]] FitQuality judge_fit(image::ImageView level, const GreyPoints& points, const GreyPoints& few,
+                                   const LevelMap& map, WeightedSamples& scratch);
 
 /// The covariance of a fit at level 0 as that of the reported pose (x_px, y_px, angle_deg, scale): Match::covariance.
 /// ref_dx, ref_dy: the reference point less the template's anchor, pixels of the template.

@@ -95,13 +95,17 @@ void set_normal_matrix(GreyPoints& g) {
 
 GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_points) {
   const std::vector<Point> all = all_points(t, level);
-  const std::vector<Point> chosen = thinned(all, max_points);
+  std::vector<Point> chosen = thinned(all, max_points);
   GreyPoints g;
   g.inverse.setZero();
   if (chosen.empty()) return g;
   g.pixels_per_point = static_cast<double>(all.size()) / static_cast<double>(chosen.size());
-  g.x_lo = g.x_hi = chosen[0].x;
-  g.y_lo = g.y_hi = chosen[0].y;
+  const auto [x_lo, x_hi] =
+      std::minmax_element(chosen.begin(), chosen.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
+  const auto [y_lo, y_hi] =
+      std::minmax_element(chosen.begin(), chosen.end(), [](const Point& a, const Point& b) { return a.y < b.y; });
+  g.x_lo = x_lo->x, g.x_hi = x_hi->x, g.y_lo = y_lo->y, g.y_hi = y_hi->y;
+  g.blocks = BlockGrid(g.x_lo, g.x_hi, g.y_lo, g.y_hi).sort(chosen);
   float radius2 = 1;
   for (const Point& p : chosen) {
     g.qx.push_back(p.x);
@@ -112,17 +116,13 @@ GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_point
     g.j[2].push_back(p.gx * p.y - p.gy * p.x);  // R(turn) moves (x, y) by turn * (y, -x)
     g.j[3].push_back(p.gx * p.x + p.gy * p.y);
     radius2 = std::max(radius2, p.x * p.x + p.y * p.y);
-    g.x_lo = std::min(g.x_lo, p.x);
-    g.x_hi = std::max(g.x_hi, p.x);
-    g.y_lo = std::min(g.y_lo, p.y);
-    g.y_hi = std::max(g.y_hi, p.y);
   }
   g.radius = std::sqrt(radius2);
   take_mean_off(g.t);
   for (auto& column : g.j) take_mean_off(column);
   set_normal_matrix(g);
   g.count = static_cast<int>(chosen.size());
-  const std::size_t padded = (chosen.size() + kPointBlock - 1) / kPointBlock * kPointBlock;
+  const std::size_t padded = padded_to_blocks(chosen.size());
   for (auto* column : {&g.qx, &g.qy, &g.t, &g.j[0], &g.j[1], &g.j[2], &g.j[3]}) column->resize(padded, 0.f);
   return g;
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "pickcell/matches/point_kernels.hpp"
+#include "pickcell/matches/score_kernels.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
 
 namespace pickcell::matches {
@@ -23,6 +23,8 @@ struct GreyPoints {
   float radius = 1;                              ///< of the furthest point from the anchor, pixels of the level
   float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (qx, qy)
   double pixels_per_point = 1;                   ///< how many pixels of the part one point stands for
+
+  BlockBegins blocks{};  ///< of the score: the points lie block by block
 
   int count = 0;  ///< points; the columns are padded with zeros to whole kPointBlocks
 

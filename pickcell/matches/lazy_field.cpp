@@ -31,8 +31,9 @@ void LazyField::compute(int column, int row) {
   std::atomic<bool>& done = done_[static_cast<std::size_t>(row * columns_ + column)];
   if (done.load(std::memory_order_relaxed)) return;
   const int x0 = column * kTileWidth, y0 = row * kTileHeight;
-  orientation_field_part(picture_, x0, y0, std::min(picture_.width(), x0 + kTileWidth),
-                         std::min(picture_.height(), y0 + kTileHeight), field_);
+  orientation_field_part(
+      picture_, {x0, y0, std::min(picture_.width(), x0 + kTileWidth), std::min(picture_.height(), y0 + kTileHeight)},
+      field_);
   done.store(true, std::memory_order_release);
 }
 

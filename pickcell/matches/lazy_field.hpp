@@ -25,7 +25,7 @@ class LazyField {
 
  private:
   static constexpr int kTileWidth = kFieldPartWidth;
-  static constexpr int kTileHeight = 32;
+  static constexpr int kTileHeight = kFieldPartHeight;
   void compute(int column, int row);
 
   image::ImageView picture_;

@@ -1,7 +1,7 @@
 #include "pickcell/matches/orientation_field.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
 #include <vector>
 
 // clang-format off
@@ -71,35 +71,115 @@ void add_tensor_row_impl(const std::uint8_t* up, const std::uint8_t* padded, con
   });
 }
 
-/// in has one value before and one after the row; out = 1-2-1.
-void smooth_row_impl(const float* in, int width, float* out) {
+/// Rows of a part, with one column on each side, smoothed 1-2-1 down the columns: 16 times the tensor's values (four by
+/// the smoothing, four by differences that are not halved).
+struct PartRows {
+  static constexpr int kRoom = kFieldPartWidth + 2 + kTensorSlack;
+  float values[kFieldPartHeight][3][kRoom];
+};
+
+/// The tensor of whole differences: four times that of central ones.
+HWY_INLINE Tensor whole_tensor(const std::uint8_t* up, const std::uint8_t* left, const std::uint8_t* right,
+                               const std::uint8_t* down) {
+  const hn::Rebind<std::uint8_t, DF> du8;
+  const auto difference = [&](const std::uint8_t* a, const std::uint8_t* b) HWY_ATTR {
+    const DI di;
+    return hn::ConvertTo(DF(), hn::Sub(hn::PromoteTo(di, hn::LoadU(du8, a)), hn::PromoteTo(di, hn::LoadU(du8, b))));
+  };
+  return tensor_of(difference(right, left), difference(down, up));
+}
+
+HWY_INLINE Tensor sum_of(const Tensor& a, const Tensor& b) {
+  return {hn::Add(a.c2, b.c2), hn::Add(a.s2, b.s2), hn::Add(a.energy, b.energy)};
+}
+
+/// Pixels of a row's neighbours to the left; those to the right are two further on. Beyond the picture its border is
+/// repeated, in the copy.
+HWY_INLINE const std::uint8_t* beside(image::ImageView picture, int y, int from, int to, std::uint8_t* copy) {
+  const std::uint8_t* row = picture.row(y);
+  if (from > 0 && to < picture.width()) return row + from - 1;
+  copy[0] = row[std::max(0, from - 1)];
+  std::copy(row + from, row + to, copy + 1);
+  copy[to - from + 1] = row[std::min(picture.width() - 1, to)];
+  return copy;
+}
+
+void smooth_down(image::ImageView picture, const FieldPart& part, PartRows& out) {
   const DF d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int x = 0; x < width; x += lanes) {
-    const VF mid = hn::LoadU(d, in + x);
-    hn::StoreU(hn::Add(hn::Add(hn::LoadU(d, in + x - 1), hn::LoadU(d, in + x + 1)), hn::Add(mid, mid)), d, out + x);
+  const int lanes = static_cast<int>(hn::Lanes(d)), last = picture.height() - 1;
+  const int from = std::max(0, part.x0 - 1), to = std::min(picture.width(), part.x1 + 1);
+  const int first = from - (part.x0 - 1);
+  alignas(64) std::uint8_t copy[kFieldPartWidth + 4 + 4 * kTensorSlack] = {};
+  for (int x = 0; x < to - from; x += lanes) {
+    const auto tensor = [&](int y) __attribute__((always_inline)) HWY_ATTR {
+      const std::uint8_t* left = beside(picture, y, from, to, copy) + x;
+      return whole_tensor(picture.row(std::max(0, y - 1)) + from + x, left, left + 2,
+                          picture.row(std::min(last, y + 1)) + from + x);
+    };
+    Tensor here = tensor(part.y0);
+    Tensor before = sum_of(part.y0 > 0 ? tensor(part.y0 - 1) : here, here);
+    for (int y = part.y0; y < part.y1; ++y) {
+      const Tensor below = y < last ? tensor(y + 1) : here;
+      const Tensor after = sum_of(here, below);
+      const Tensor sum = sum_of(before, after);
+      float(&rows)[3][PartRows::kRoom] = out.values[y - part.y0];
+      hn::StoreU(sum.c2, d, rows[0] + first + x);
+      hn::StoreU(sum.s2, d, rows[1] + first + x);
+      hn::StoreU(sum.energy, d, rows[2] + first + x);
+      before = after;
+      here = below;
+    }
   }
 }
 
-/// Rows of c2, s2, energy above, here and below, smoothed along x: nine arrays.
-void normalise_row_impl(const float* const* rows, int width, std::int8_t* out) {
+/// The first and the last column of the picture stand for those beyond.
+void repeat_border(image::ImageView picture, const FieldPart& part, PartRows& rows) {
+  const int width = part.x1 - part.x0;
+  for (int y = 0; y < part.y1 - part.y0; ++y)
+    for (float* row : rows.values[y]) {
+      if (part.x0 == 0) row[0] = row[1];
+      if (part.x1 == picture.width()) row[width + 1] = row[width];
+    }
+}
+
+/// The field of one block of pixels, c2 and s2 as the bytes of one value each.
+HWY_INLINE auto field_block(const float (&rows)[3][PartRows::kRoom], int x) {
   const DF d;
   const DI di;
   const hn::Rebind<std::uint16_t, DF> d16;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const VF full = hn::Set(d, 127.f);
-  const VF floor = hn::Set(d, 16 * kEdgeGrey * kEdgeGrey);
-  const auto low_byte = hn::Set(di, 0xff);
-  const auto column = [&](int q, int x) HWY_ATTR {
-    const VF mid = hn::LoadU(d, rows[3 + q] + x);
-    return hn::Add(hn::Add(hn::LoadU(d, rows[q] + x), hn::LoadU(d, rows[6 + q] + x)), hn::Add(mid, mid));
+  const auto smooth = [&](int q) HWY_ATTR {
+    const VF mid = hn::LoadU(d, rows[q] + x + 1);
+    return hn::Add(hn::Add(hn::LoadU(d, rows[q] + x), hn::LoadU(d, rows[q] + x + 2)), hn::Add(mid, mid));
   };
-  for (int x = 0; x < width; x += lanes) {
-    const VF k = hn::Div(full, hn::Add(column(2, x), floor));
-    const auto c2 = hn::NearestInt(hn::Mul(k, column(0, x)));
-    const auto s2 = hn::NearestInt(hn::Mul(k, column(1, x)));
-    const auto pair = hn::Or(hn::And(c2, low_byte), hn::ShiftLeft<8>(hn::And(s2, low_byte)));
-    hn::StoreU(hn::DemoteTo(d16, pair), d16, reinterpret_cast<std::uint16_t*>(out + 2 * x));
+  const VF k = hn::Div(hn::Set(d, 127.f), hn::Add(smooth(2), hn::Set(d, 64 * kEdgeGrey * kEdgeGrey)));
+  const auto low_byte = hn::Set(di, 0xff);
+  const auto c2 = hn::NearestInt(hn::Mul(k, smooth(0)));
+  const auto s2 = hn::NearestInt(hn::Mul(k, smooth(1)));
+  return hn::DemoteTo(d16, hn::Or(hn::And(c2, low_byte), hn::ShiftLeft<8>(hn::And(s2, low_byte))));
+}
+
+void field_part_impl(image::ImageView picture, const FieldPart& part, OrientationField& out) {
+  const hn::Rebind<std::uint16_t, DF> d16;
+  const int lanes = static_cast<int>(hn::Lanes(DF())), width = part.x1 - part.x0;
+  PartRows rows;
+  for (int y = part.y0; y < part.y1; ++y) {
+    __builtin_prefetch(out.row(y) + 2 * part.x0, 1);
+    __builtin_prefetch(out.row(y) + 2 * part.x1 - 1, 1);
+  }
+  smooth_down(picture, part, rows);
+  if (part.x0 == 0 || part.x1 == picture.width()) repeat_border(picture, part, rows);
+  for (int y = 0; y < part.y1 - part.y0; ++y) {
+    auto* const to = reinterpret_cast<std::uint16_t*>(out.row(part.y0 + y) + std::ptrdiff_t{2} * part.x0);
+    if (width < lanes) {  // nothing outside the part may be touched: others may be at work there
+      std::uint16_t line[kTensorSlack];
+      hn::StoreU(field_block(rows.values[y], 0), d16, line);
+      std::copy(line, line + width, to);
+      continue;
+    }
+    for (int x = 0; x < width; x += lanes) {
+      const int at = std::min(x, width - lanes);
+      hn::StoreU(field_block(rows.values[y], at), d16, to + at);
+    }
   }
 }
 
@@ -111,8 +191,7 @@ namespace pickcell::matches {
 
 HWY_EXPORT(tensor_row_impl);
 HWY_EXPORT(add_tensor_row_impl);
-HWY_EXPORT(smooth_row_impl);
-HWY_EXPORT(normalise_row_impl);
+HWY_EXPORT(field_part_impl);
 
 namespace {
 
@@ -136,42 +215,6 @@ Neighbours neighbours(image::ImageView picture, int y) {
   return {picture.row(std::max(0, y - 1)), copy.data(), picture.row(std::min(picture.height() - 1, y + 1))};
 }
 
-/// Tensor rows of one part, smoothed along x, three at a time. Beyond the picture its border is repeated.
-class SmoothRows {
- public:
-  SmoothRows(image::ImageView picture, int x0, int x1) : picture_(picture), x0_(x0), x1_(x1) {}
-
-  void compute(int y) {
-    const int w = picture_.width();
-    const int from = std::max(0, x0_ - 1), to = std::min(w, x1_ + 1);  // what the smoothing reads
-    const std::uint8_t* row = picture_.row(y);
-    grey_[0] = row[std::max(0, from - 1)];
-    std::copy(row + from, row + to, grey_.begin() + 1);
-    grey_[static_cast<std::size_t>(to - from) + 1] = row[std::min(w - 1, to)];
-    const std::uint8_t* up = picture_.row(std::max(0, y - 1)) + from;
-    const std::uint8_t* down = picture_.row(std::min(picture_.height() - 1, y + 1)) + from;
-    const std::size_t first = from < x0_ ? 0 : 1;
-    const std::size_t end = first + static_cast<std::size_t>(to - from);
-    HWY_DYNAMIC_DISPATCH(tensor_row_impl)
-    (up, grey_.data(), down, to - from, {raw_[0].data() + first, raw_[1].data() + first, raw_[2].data() + first});
-    for (std::size_t q = 0; q < 3; ++q) {
-      if (first == 1) raw_[q][0] = raw_[q][1];
-      if (to == x1_) raw_[q][end] = raw_[q][end - 1];
-      HWY_DYNAMIC_DISPATCH(smooth_row_impl)(raw_[q].data() + 1, x1_ - x0_, slot(y)[q].data());
-    }
-  }
-  using Row = std::array<float, kFieldPartWidth + 2 + 2 * kTensorSlack>;
-  [[nodiscard]] std::array<Row, 3>& slot(int y) { return smooth_[static_cast<std::size_t>(y % 3)]; }
-
- private:
-  image::ImageView picture_;
-  int x0_;
-  int x1_;
-  std::array<std::uint8_t, kFieldPartWidth + 4 + kReadAhead> grey_{};
-  std::array<Row, 3> raw_{};
-  std::array<std::array<Row, 3>, 3> smooth_{};
-};
-
 }  // namespace
 
 void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& out) {
@@ -184,27 +227,16 @@ void add_tensor_row(image::ImageView picture, int y, float share, const TensorRo
   HWY_DYNAMIC_DISPATCH(add_tensor_row_impl)(n.up, n.padded, n.down, picture.width(), share, sums);
 }
 
-void orientation_field_part(image::ImageView picture, int x0, int y0, int x1, int y1, OrientationField& out) {
-  const int last = picture.height() - 1;
-  SmoothRows rows(picture, x0, x1);
-  rows.compute(std::max(0, y0 - 1));
-  if (y0 > 0) rows.compute(y0);
-  for (int y = y0; y < y1; ++y) {
-    if (y < last) rows.compute(y + 1);
-    std::array<const float*, 9> nine{};
-    const int ys[3] = {std::max(0, y - 1), y, std::min(last, y + 1)};
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t q = 0; q < 3; ++q) nine[3 * k + q] = rows.slot(ys[k])[q].data();
-    std::array<std::int8_t, 2 * (kFieldPartWidth + kTensorSlack)> line;
-    HWY_DYNAMIC_DISPATCH(normalise_row_impl)(nine.data(), x1 - x0, line.data());
-    std::copy(line.begin(), line.begin() + 2 * (x1 - x0), out.row(y) + 2 * x0);
-  }
+void orientation_field_part(image::ImageView picture, const FieldPart& part, OrientationField& out) {
+  HWY_DYNAMIC_DISPATCH(field_part_impl)(picture, part, out);
 }
 
 void orientation_field(image::ImageView picture, OrientationField& out) {
-  out.resize(2 * picture.width(), picture.height());
-  for (int x = 0; x < picture.width(); x += kFieldPartWidth)
-    orientation_field_part(picture, x, 0, std::min(picture.width(), x + kFieldPartWidth), picture.height(), out);
+  const int w = picture.width(), h = picture.height();
+  out.resize(2 * w, h);
+  for (int y = 0; y < h; y += kFieldPartHeight)
+    for (int x = 0; x < w; x += kFieldPartWidth)
+      orientation_field_part(picture, {x, y, std::min(w, x + kFieldPartWidth), std::min(h, y + kFieldPartHeight)}, out);
 }
 
 }  // namespace pickcell::matches

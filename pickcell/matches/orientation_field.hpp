@@ -35,8 +35,13 @@ using OrientationField = image::Plane<std::int8_t>;
 /// Rounds to nearest; all SIMD targets agree within one unit. The picture must be a Plane's.
 void orientation_field(image::ImageView picture, OrientationField& out);
 
-/// The same for the pixels x0 <= x < x1, y0 <= y < y1 only, at most kFieldPartWidth wide. out has the picture's size.
-constexpr int kFieldPartWidth = 64;
-void orientation_field_part(image::ImageView picture, int x0, int y0, int x1, int y1, OrientationField& out);
+/// The same for the pixels x0 <= x < x1, y0 <= y < y1 only, at most kFieldPartWidth wide and kFieldPartHeight high.
+/// With the pixels around it a part is 32 wide: whole vectors of every SIMD target. out has the picture's size.
+constexpr int kFieldPartWidth = 30;
+constexpr int kFieldPartHeight = 30;
+struct FieldPart {
+  int x0, y0, x1, y1;
+};
+void orientation_field_part(image::ImageView picture, const FieldPart& part, OrientationField& out);
 
 }  // namespace pickcell::matches

@@ -53,52 +53,63 @@ void sum_points_impl(image::ImageView picture, const PointColumns& points, const
   out = {total(s), total(ss), total(st), {total(j0), total(j1), total(j2), total(j3)}};
 }
 
-void sample_points_impl(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s,
-                        float* weight) {
+int sample_points_impl(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s,
+                       float* weight) {
   const DF d;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  VF inside = hn::Zero(d);
   for (int i = 0; i < points.count; i += lanes) {
     const Place p = place_of(points.qx + i, points.qy + i, map);
+    VF w = ones_inside(p, picture.width(), picture.height());
+    if (i + lanes > points.count) w = hn::Mul(w, first_lanes(points.count - i));
+    inside = hn::Add(inside, w);
     hn::StoreU(sample(picture, p), d, s + i);
-    hn::StoreU(ones_inside(p, picture.width(), picture.height()), d, weight + i);
+    hn::StoreU(w, d, weight + i);
   }
+  return static_cast<int>(total(inside));
 }
 
-/// One row of the normal matrix from column a on, and its right side; a row at a time, and loops unrolled, keep the
+/// Rows [from, to) of the normal matrix, and their right sides. Loops unrolled, and only some rows at once, keep the
 /// sums in registers.
-template <int a>
-HWY_INLINE float* sum_row(const PointColumns& points, const float* s, const float* weight, float* products,
-                          float* right) {
+template <int from, int to>
+HWY_INLINE void sum_rows(const PointColumns& points, const float* s, const float* weight, float* products,
+                         float* right) {
   const DF d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const float* const columns[6] = {nullptr, points.t, points.j[0], points.j[1], points.j[2], points.j[3]};
-  const VF mid = hn::Set(d, 128.f);
-  VF sum[6];
+  const VF mid = hn::Set(d, 128.f), one = hn::Set(d, 1.f);
+  VF sum[to - from][6], scene[to - from];
 #pragma GCC unroll 6
-  for (int b = a; b < 6; ++b) sum[b] = hn::Zero(d);
-  VF scene = hn::Zero(d);
+  for (int a = from; a < to; ++a) {
+    scene[a - from] = hn::Zero(d);
+#pragma GCC unroll 6
+    for (int b = a; b < 6; ++b) sum[a - from][b] = hn::Zero(d);
+  }
   for (int i = 0; i < points.count; i += lanes) {
-    VF wa = hn::LoadU(d, weight + i);
-    if constexpr (a > 0) wa = hn::Mul(wa, hn::LoadU(d, columns[a] + i));
-    scene = hn::MulAdd(wa, hn::Sub(hn::LoadU(d, s + i), mid), scene);
+    const VF w = hn::LoadU(d, weight + i), v = hn::Sub(hn::LoadU(d, s + i), mid);
+    VF c[6];
 #pragma GCC unroll 6
-    for (int b = a; b < 6; ++b)
-      sum[b] = b == 0 ? hn::Add(sum[0], wa) : hn::MulAdd(wa, hn::LoadU(d, columns[b] + i), sum[b]);
+    for (int b = from; b < 6; ++b) c[b] = b == 0 ? one : hn::LoadU(d, columns[b] + i);
+#pragma GCC unroll 6
+    for (int a = from; a < to; ++a) {
+      const VF wa = a == 0 ? w : hn::Mul(w, c[a]);
+      scene[a - from] = hn::MulAdd(wa, v, scene[a - from]);
+#pragma GCC unroll 6
+      for (int b = a; b < 6; ++b)
+        sum[a - from][b] = b == 0 ? hn::Add(sum[a - from][b], wa) : hn::MulAdd(wa, c[b], sum[a - from][b]);
+    }
   }
 #pragma GCC unroll 6
-  for (int b = a; b < 6; ++b) *products++ = hn::GetLane(hn::SumOfLanes(d, sum[b]));
-  *right = hn::GetLane(hn::SumOfLanes(d, scene));
-  return products;
+  for (int a = from; a < to; ++a) {
+    right[a] = hn::GetLane(hn::SumOfLanes(d, scene[a - from]));
+#pragma GCC unroll 6
+    for (int b = a; b < 6; ++b) *products++ = hn::GetLane(hn::SumOfLanes(d, sum[a - from][b]));
+  }
 }
 
 void sum_weighted_impl(const PointColumns& points, const float* s, const float* weight, float* sums) {
-  float* const right = sums + 21;
-  sums = sum_row<0>(points, s, weight, sums, right);
-  sums = sum_row<1>(points, s, weight, sums, right + 1);
-  sums = sum_row<2>(points, s, weight, sums, right + 2);
-  sums = sum_row<3>(points, s, weight, sums, right + 3);
-  sums = sum_row<4>(points, s, weight, sums, right + 4);
-  sum_row<5>(points, s, weight, sums, right + 5);
+  sum_rows<0, 2>(points, s, weight, sums, sums + 21);
+  sum_rows<2, 6>(points, s, weight, sums + 11, sums + 21);
 }
 
 void residual_sizes_impl(const PointColumns& points, const float* s, float offset, float gain, float* size) {
@@ -106,6 +117,22 @@ void residual_sizes_impl(const PointColumns& points, const float* s, float offse
   const VF from = hn::Set(d, offset), k = hn::Set(d, gain);
   for (int i = 0; i < points.count; i += static_cast<int>(hn::Lanes(d)))
     hn::StoreU(hn::Abs(hn::NegMulAdd(k, hn::LoadU(d, points.t + i), hn::Sub(hn::LoadU(d, s + i), from))), d, size + i);
+}
+
+void keep_agreeing_impl(const PointColumns& points, const float* s, float offset, float gain, float limit,
+                        float* weight, Agreement& out) {
+  const DF d;
+  const VF from = hn::Set(d, offset), k = hn::Set(d, gain), most = hn::Set(d, limit), one = hn::Set(d, 1.f);
+  VF n = hn::Zero(d), square = n;
+  for (int i = 0; i < points.count; i += static_cast<int>(hn::Lanes(d))) {
+    const VF r = hn::NegMulAdd(k, hn::LoadU(d, points.t + i), hn::Sub(hn::LoadU(d, s + i), from));
+    const auto keep = hn::And(hn::Gt(hn::LoadU(d, weight + i), hn::Zero(d)), hn::Le(hn::Abs(r), most));
+    const VF w = hn::IfThenElseZero(keep, one);
+    hn::StoreU(w, d, weight + i);
+    n = hn::Add(n, w);
+    square = hn::MulAdd(hn::Mul(w, r), r, square);
+  }
+  out = {static_cast<int>(total(n)), total(square)};
 }
 
 void weigh_points_impl(const float* size, float cut, float trace, int count, float* weight) {
@@ -165,6 +192,7 @@ HWY_EXPORT(sum_points_impl);
 HWY_EXPORT(sample_points_impl);
 HWY_EXPORT(sum_weighted_impl);
 HWY_EXPORT(residual_sizes_impl);
+HWY_EXPORT(keep_agreeing_impl);
 HWY_EXPORT(weigh_points_impl);
 HWY_EXPORT(sum_edges_impl);
 
@@ -174,8 +202,8 @@ PointSums sum_points(image::ImageView picture, const PointColumns& points, const
   return out;
 }
 
-void sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight) {
-  HWY_DYNAMIC_DISPATCH(sample_points_impl)(picture, points, map, s, weight);
+int sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight) {
+  return HWY_DYNAMIC_DISPATCH(sample_points_impl)(picture, points, map, s, weight);
 }
 
 void sum_weighted(const PointColumns& points, const float* s, const float* weight, float* sums) {
@@ -184,6 +212,13 @@ void sum_weighted(const PointColumns& points, const float* s, const float* weigh
 
 void residual_sizes(const PointColumns& points, const float* s, float offset, float gain, float* size) {
   HWY_DYNAMIC_DISPATCH(residual_sizes_impl)(points, s, offset, gain, size);
+}
+
+Agreement keep_agreeing(const PointColumns& points, const float* s, float offset, float gain, float limit,
+                        float* weight) {
+  Agreement out;
+  HWY_DYNAMIC_DISPATCH(keep_agreeing_impl)(points, s, offset, gain, limit, weight, out);
+  return out;
 }
 
 void weigh_points(const float* size, float cut, float trace, int count, float* weight) {

@@ -3,6 +3,7 @@
 /// Pictures and fields must be Planes' (a few bytes past a row may be read). Answers of SIMD targets differ in the last
 /// bits.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pickcell/image/image.hpp"
@@ -10,8 +11,12 @@
 
 namespace pickcell::matches {
 
-/// Columns over the points; every array has room up to a multiple of kPointBlock, filled with zeros.
+/// Columns over the points; every array has room for padded_to_blocks values, filled with zeros.
 constexpr int kPointBlock = 16;
+/// Whole blocks, and one more for kernels that begin anywhere.
+[[nodiscard]] constexpr std::size_t padded_to_blocks(std::size_t points) {
+  return (points / kPointBlock + 2) * kPointBlock;
+}
 
 struct PointColumns {
   const float* qx;
@@ -31,8 +36,9 @@ struct PointSums {
 };
 [[nodiscard]] PointSums sum_points(image::ImageView picture, const PointColumns& points, const LevelMap& map);
 
-/// s of every point, and weight 1 inside the picture, 0 outside (s is then that of the border). Writes whole blocks.
-void sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight);
+/// s of every point, and weight 1 inside the picture, 0 outside (s is then that of the border). Writes whole blocks,
+/// weight 0 beyond the points. Returns how many are inside.
+int sample_points(image::ImageView picture, const PointColumns& points, const LevelMap& map, float* s, float* weight);
 
 /// Weighted sums of products of the columns c = (1, t, j0, j1, j2, j3) and the scene: sums[0..20] = sum w c_a c_b for a
 /// <= b in row order, sums[21..26] = sum w c_a (s - 128). Weights of the padding must be 0.
@@ -40,6 +46,14 @@ void sum_weighted(const PointColumns& points, const float* s, const float* weigh
 
 /// size[i] = |s[i] - offset - gain t[i]|. Writes whole blocks.
 void residual_sizes(const PointColumns& points, const float* s, float offset, float gain, float* size);
+
+/// Weight 1 where it is not 0 and |s[i] - offset - gain t[i]| <= limit, else 0. Writes whole blocks.
+struct Agreement {
+  int points = 0;     ///< of weight 1
+  double square = 0;  ///< sum of their residuals' squares
+};
+[[nodiscard]] Agreement keep_agreeing(const PointColumns& points, const float* s, float offset, float gain, float limit,
+                                      float* weight);
 
 /// weight[i] = max(trace, (1 - (size[i] / cut)^2)^2), where it is not 0 already. Writes whole blocks.
 void weigh_points(const float* size, float cut, float trace, int count, float* weight);

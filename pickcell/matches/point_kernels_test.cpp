@@ -12,6 +12,7 @@
 #include "pickcell/matches/contour_kernel.hpp"
 #include "pickcell/matches/kernels_test.hpp"
 #include "pickcell/matches/orientation_field.hpp"
+#include "pickcell/matches/score_kernels.hpp"
 
 namespace pickcell::matches {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using Column = std::vector<float>;
 
 Column random_column(std::mt19937& rng, int count, double lo, double hi) {
-  Column out(static_cast<std::size_t>((count + kPointBlock - 1) / kPointBlock * kPointBlock), 0.f);
+  Column out(padded_to_blocks(static_cast<std::size_t>(count)), 0.f);
   std::uniform_real_distribution<double> value(lo, hi);
   for (int i = 0; i < count; ++i) out[static_cast<std::size_t>(i)] = static_cast<float>(value(rng));
   return out;
@@ -71,7 +72,9 @@ TEST_P(PointKernels, SamplesAreBilinear) {
   Column s(qx.size()), weight(qx.size());
   for (const LevelMap& map : {inside, outside})
     testing::on_every_target([&] {
-      sample_points(picture.view(), points, map, s.data(), weight.data());
+      std::fill(weight.begin(), weight.end(), 9.f);
+      const int seen = sample_points(picture.view(), points, map, s.data(), weight.data());
+      ASSERT_EQ(seen, std::count(weight.begin(), weight.begin() + count, 1.f));
       for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         const At at = mapped(map, qx[i], qy[i]);
         ASSERT_NEAR(s[i], bilinear(picture.view(), at.x, at.y), 0.02)
@@ -119,6 +122,75 @@ TEST_P(PointKernels, WeightedSumsAreThoseOfTheFormula) {
     sum_weighted(points, s.data(), weight.data(), sums.data());
     for (std::size_t k = 0; k < 27; ++k) ASSERT_NEAR(sums[k], expected[k], 0.01 * count) << k;
   });
+}
+
+TEST_P(PointKernels, PointsThatAgreeAreKept) {
+  const Column s = random_column(rng, count, 0, 255), seen = random_column(rng, count, -0.3, 1);
+  testing::on_every_target([&] {
+    Column weight = seen;
+    const Agreement agreement = keep_agreeing(points, s.data(), 100, 0.9f, 60, weight.data());
+    int kept = 0;
+    double square = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const double r = s[i] - 100.0 - 0.9 * t[i];
+      const bool agrees = seen[i] > 0 && std::abs(r) <= 60;
+      ASSERT_EQ(weight[i], agrees ? 1.f : 0.f) << i;
+      kept += agrees;
+      square += agrees ? r * r : 0;
+    }
+    EXPECT_EQ(agreement.points, kept);
+    EXPECT_NEAR(agreement.square, square, 0.01 * count);
+  });
+}
+
+/// Blocks of any size, empty ones too, that begin anywhere.
+TEST_P(PointKernels, SumsOfBlocksAreThoseOfTheFormula) {
+  struct Point {
+    float x, y;
+  };
+  std::vector<Point> sorted;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sorted.push_back({qx[i], qy[i]});
+  const BlockGrid grid(-30, 30, -30, 45);  // nothing in the last row
+  const BlockBegins begin = grid.sort(sorted);
+  ASSERT_EQ(begin.back(), count);
+  for (std::size_t i = 0; i < sorted.size(); ++i) qx[i] = sorted[i].x, qy[i] = sorted[i].y;
+  const Column s = random_column(rng, count, 0, 255), weight = random_column(rng, count, 0, 1);
+  const Column c2 = random_column(rng, count, -1, 1), s2 = random_column(rng, count, -1, 1);
+  OrientationField field;
+  orientation_field(picture.view(), field);
+  for (const LevelMap& map : {inside, outside})
+    testing::on_every_target([&] {
+      std::array<BlockMoments, kBlocks> moments;
+      std::array<BlockEdges, kBlocks> edges;
+      sum_block_moments(points, s.data(), weight.data(), begin, moments);
+      sum_block_edges(field.view(), {qx.data(), qy.data(), c2.data(), s2.data(), count}, map, begin, edges);
+      const double turn = 2 * std::atan2(map.b, map.a);
+      for (std::size_t b = 0; b < kBlocks; ++b) {
+        double m[6] = {}, e[3] = {};
+        for (auto i = static_cast<std::size_t>(begin[b]); i < static_cast<std::size_t>(begin[b + 1]); ++i) {
+          ASSERT_EQ(grid.at(qx[i], qy[i]), b);
+          const double v = s[i] - 128.0, w = weight[i];
+          const double terms[6] = {w, w * v, w * v * v, w * t[i], w * t[i] * t[i], w * v * t[i]};
+          for (std::size_t k = 0; k < 6; ++k) m[k] += terms[k];
+          const double c = c2[i] * std::cos(turn) + s2[i] * std::sin(turn);
+          const double n = s2[i] * std::cos(turn) - c2[i] * std::sin(turn);
+          e[2] += c * c + n * n;
+          const auto x = std::lrintf(map.x + map.a * qx[i] + map.b * qy[i]);
+          const auto y = std::lrintf(map.y - map.b * qx[i] + map.a * qy[i]);
+          if (x < 0 || y < 0 || x >= 90 || y >= 70) continue;
+          const double fc = field.at(static_cast<int>(2 * x), static_cast<int>(y)) / 127.0;
+          const double fs = field.at(static_cast<int>(2 * x + 1), static_cast<int>(y)) / 127.0;
+          e[0] += fc * c + fs * n;
+          e[1] += fc * fc + fs * fs;
+        }
+        const BlockMoments& own = moments[b];
+        const float sums[6] = {own.n, own.s, own.ss, own.t, own.tt, own.st};
+        for (std::size_t k = 0; k < 6; ++k) ASSERT_NEAR(sums[k], m[k], 0.01 * count) << b << " " << k;
+        ASSERT_NEAR(edges[b].both, e[0], 1e-3 * count) << b;
+        ASSERT_NEAR(edges[b].scene, e[1], 1e-3 * count) << b;
+        ASSERT_NEAR(edges[b].own, e[2], 1e-3 * count) << b;
+      }
+    });
 }
 
 TEST_P(PointKernels, EdgesAgreeAsTheFormulaSays) {

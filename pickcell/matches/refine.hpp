@@ -17,6 +17,7 @@ namespace pickcell::matches {
 /// What is known of the template at one level.
 struct LevelModel {
   GreyPoints grey;
+  GreyPoints few;  ///< far fewer of them, to come near with; empty where that saves nothing
   EdgePoints edges;
   ContourPoints contours;
 };

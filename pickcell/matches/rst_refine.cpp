@@ -20,7 +20,7 @@ constexpr double kScaleSlack = 0.05;
 const LevelModel& RstRefine::level(const RstModel& model) {
   auto& own = levels_[&model];
   if (!own)
-    own = std::make_unique<LevelModel>(LevelModel{choose_grey_points(model.pyramid, 0, kGreyPoints),
+    own = std::make_unique<LevelModel>(LevelModel{choose_grey_points(model.pyramid, 0, kGreyPoints), GreyPoints{},
                                                   choose_edge_points(model.pyramid, 0, kEdgePoints),
                                                   choose_contour_points(model.pyramid, 0, kContourPoints)});
   return *own;
@@ -37,7 +37,7 @@ void RstRefine::run(const RstModel& model, Match& match) {
   const Hypothesis h = settle(scene, points, similarity_of(match.pose, dx, dy), scale, scratch_);
   match.pose = pose_of(h.place, dx, dy);
   match.score = std::clamp(h.ncc, 0.0, 1.0);
-  const FitQuality quality = judge_fit(scene.grey, points.grey, at_level(h.place, 0), scratch_.grey);
+  const FitQuality quality = judge_fit(scene.grey, points.grey, points.few, at_level(h.place, 0), scratch_.grey);
   match.visible = quality.visible;
   if (quality.covariance.trace() > 0) match.covariance = covariance_at_reference(quality, h.place, dx, dy);
 }

@@ -242,7 +242,8 @@ void Selection::describe(const Entry& e, Match& m) {
   m.pose = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
   m.score = std::clamp(e.score, 0.0, 1.0);
   const SceneLevel scene = scene_.level(0);
-  const FitQuality q = judge_fit(scene.grey, e.model->levels[0].grey, at_level(e.h.place, 0), scratch_.grey);
+  const LevelModel& level = e.model->levels[0];
+  const FitQuality q = judge_fit(scene.grey, level.grey, level.few, at_level(e.h.place, 0), scratch_.grey);
   m.visible = q.visible;
   m.covariance = pose_covariance(q.covariance, e.h.place, e.model->ref_dx, e.model->ref_dy);
   m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());

@@ -1,6 +1,7 @@
 #pragma once
 /// Inside the engine: the similarity that carries template points, taken about the model's anchor, into the scene.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +22,24 @@ struct Similarity {
 struct LevelMap {
   float x, y, a, b;
 };
+
+/// Pixels, inclusive; may lie outside the picture.
+struct PixelBox {
+  int x0, y0, x1, y1;
+};
+
+/// The pixels around a box of template points (relative to the anchor) at its place in the picture.
+[[nodiscard]] inline PixelBox box_under(float x_lo, float x_hi, float y_lo, float y_hi, const LevelMap& m) {
+  float x0 = m.x, x1 = m.x, y0 = m.y, y1 = m.y;
+  for (const float qx : {x_lo, x_hi})
+    for (const float qy : {y_lo, y_hi}) {
+      const float x = m.x + m.a * qx + m.b * qy, y = m.y - m.b * qx + m.a * qy;
+      x0 = std::min(x0, x), x1 = std::max(x1, x);
+      y0 = std::min(y0, y), y1 = std::max(y1, y);
+    }
+  const auto whole = [](float v) { return static_cast<int>(std::clamp(v, -1e6f, 1e6f)); };
+  return {whole(x0) - 2, whole(y0) - 2, whole(x1) + 3, whole(y1) + 3};
+}
 
 /// Pixel centres of level l: x_l = (x_0 + 0.5) / 2^l - 0.5.
 [[nodiscard]] inline LevelMap at_level(const Similarity& s, int level) {

@@ -16,16 +16,23 @@ constexpr float kTrace = 1e-6f;
 constexpr float kBinsPerGrey = 4;
 constexpr int kEnoughForNoise = 2000;  // points: of more, every fourth tells the median
 
+/// The points lie at scattered places: asked for row by row, the pixels come from far memory many at a time.
+void fetch_under(image::ImageView level, const GreyPoints& p, const LevelMap& m) {
+  constexpr int kLine = 64;
+  const PixelBox box = box_under(p.x_lo, p.x_hi, p.y_lo, p.y_hi, m);
+  const int x0 = std::max(0, box.x0), x1 = std::min(level.width() - 1, box.x1);
+  for (int y = std::max(0, box.y0); y <= std::min(level.height() - 1, box.y1); ++y)
+    for (int x = x0; x < x1 + kLine; x += kLine) __builtin_prefetch(level.row(y) + std::min(x, x1));
+}
+
 }  // namespace
 
 double read_samples(image::ImageView level, const GreyPoints& p, const LevelMap& m, WeightedSamples& out) {
   out.scene.resize(p.qx.size());
   out.weight.resize(p.qx.size());
-  sample_points(level, p.columns(), m, out.scene.data(), out.weight.data());
-  const auto n = static_cast<std::size_t>(p.size());
+  fetch_under(level, p, m);
+  const int in = sample_points(level, p.columns(), m, out.scene.data(), out.weight.data());
   std::fill(out.weight.begin() + p.size(), out.weight.end(), 0.f);
-  std::size_t in = 0;
-  for (std::size_t i = 0; i < n; ++i) in += out.weight[i] > 0 ? 1 : 0;
   return static_cast<double>(in) / p.size();
 }
 
