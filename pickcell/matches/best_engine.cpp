@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pickcell/matches/limits.hpp"
+#include "pickcell/matches/match_score.hpp"
 #include "pickcell/matches/selection.hpp"
 
 namespace pickcell::matches {
@@ -19,6 +20,8 @@ constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are l
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
 constexpr float kLower = 0.75f;         // this times the weakest candidate that became a part
 constexpr int kMostRounds = 4;
+constexpr float kLastLimit = 0.35f;     // of one part that is found badly: how far below the best candidates are tried
+constexpr std::size_t kFewBest = 3;     // of the finds, by which it is judged whether one part was found badly
 constexpr int kMostAtBorder = 8;        // parts that are told to be too far outside
 constexpr double kForget = 0.995;       // of the finishing time, per call
 constexpr double kSpread = 1.3;         // the next call may take a little longer
@@ -158,6 +161,13 @@ bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOpt
          acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
+bool BestEngine::promising(const Followed& f, const BestModel& model) {
+  const std::size_t few = std::min(f.found.size(), kFewBest);
+  return std::any_of(f.found.begin(), f.found.begin() + static_cast<std::ptrdiff_t>(few), [&](const Hypothesis& h) {
+    return match_score(scene_.level(0), model.levels[0], h, scratch_[0]) >= model.model->learnt.suggested_min_score;
+  });
+}
+
 void BestEngine::prepare_wide(BestModel& model) const {
   if (model.wide.empty()) model.wide = build_coarse_bands(model.pyramid, settings_.wide.detail, model.scale);
 }
@@ -201,9 +211,17 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     }
   }
   prepare_thorough(model);
-  how.candidates = settings_.thorough.candidates;
-  for (const Found& f : candidates(model, model.thorough, how, options, budget, result)) {
-    add(f, 0, f.list.size(), settings_.thorough);
+  const auto first = static_cast<std::size_t>(settings_.thorough.candidates);
+  how.candidates = settings_.thorough.candidates + settings_.last.candidates;
+  how.relative_limit = kLastLimit;
+  const std::pmr::vector<Found> bands = candidates(model, model.thorough, how, options, budget, result);
+  for (const Found& f : bands) {
+    add(f, 0, first, settings_.thorough);
+    if (enough()) return all;
+  }
+  for (const Found& f : bands) {
+    if (promising(all, model)) return all;
+    add(f, first, f.list.size(), settings_.last);
     if (enough()) return all;
   }
   return all;

@@ -45,6 +45,8 @@ class BestEngine final : public Engine {
   [[nodiscard]] std::string isa() const override { return kernel_target(); }
 
  private:
+  /// Whether one of the best finds reaches the model's own threshold.
+  [[nodiscard]] bool promising(const Followed& f, const BestModel& model);
   void prepare_wide(BestModel& model) const;
   void prepare_thorough(BestModel& model) const;
   [[nodiscard]] BestModel& prepared(const Model& model, Range scale);

@@ -165,6 +165,44 @@ TEST(BestSearch, TheScoreBelongsToTheReportedPose) {
   }
 }
 
+/// Covers a third of the part at x, y: what is left scores too little to be sure of.
+void cover_third(image::Image& picture, int x, int y) {
+  for (int v = y - 30; v < y + 30; ++v)
+    for (int u = x + 8; u < x + 40; ++u) picture.at(u, v) = static_cast<std::uint8_t>(90 + 40 * ((u / 5 + v / 7) % 2));
+}
+
+/// Of one part: its score rises when nothing else in the picture comes near, and does not when its like lies beside it.
+TEST(BestSearch, APartThatStandsOutScoresHigher) {
+  const Texture texture(70, 54, 2);
+  const Model part = testing::texture_model(texture, 70, 54);
+  const Model* const one[] = {&part};
+  for (const bool pair : {false, true}) {
+    image::Image picture = testing::draw_ground(320, 200, 5);
+    for (const int x : {90, 220}) {
+      if (x == 220 && !pair) continue;
+      testing::draw_part(picture, texture, part, {static_cast<double>(x), 100, 0, 1});
+      cover_third(picture, x, 100);
+    }
+    testing::add_noise(picture, 6, 1);
+    image::Pyramid pyramid;
+    pyramid.build(picture.view());
+    BestEngine engine;
+    SearchOptions options;
+    options.min_score = 0.2;
+    const auto single = engine.find(pyramid, one, options);
+    options.max_matches = 5;
+    const auto several = engine.find(pyramid, one, options);
+    ASSERT_TRUE(single && several);
+    ASSERT_EQ(single->matches.size(), 1u);
+    ASSERT_GE(several->matches.size(), 1u);
+    EXPECT_LT(std::abs(single->matches[0].pose.y_px - 100), 2);
+    if (pair)
+      EXPECT_LT(single->matches[0].score, several->matches[0].score);
+    else
+      EXPECT_GT(single->matches[0].score, several->matches[0].score + 0.01);
+  }
+}
+
 /// From places around the true one, at every level: never a lower score than at the start; at the end no further from
 /// the truth.
 TEST(BestSearch, RefinementNeverMakesAPlaceWorse) {

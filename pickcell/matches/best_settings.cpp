@@ -45,6 +45,7 @@ std::vector<Number> numbers(BestSettings& s) {
   add_pass("quick", s.quick, table);
   add_pass("wide", s.wide, table);
   add_pass("thorough", s.thorough, table);
+  add_pass("last", s.last, table);
   return table;
 }
 
@@ -116,6 +117,10 @@ BestSettings::BestSettings() {
   thorough.keep_top = 48;
   thorough.keep_mid = 16;
   thorough.window = 0.45;
+  last.candidates = 400;
+  last.keep_top = 48;
+  last.keep_mid = 8;
+  last.window = 0.45;
 }
 
 core::Result<BestSettings> parse_best_settings(const Settings& settings) {

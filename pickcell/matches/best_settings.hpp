@@ -24,6 +24,7 @@ struct BestSettings {
   PassSettings quick;
   PassSettings wide;                  ///< one part: more candidates of quick's coarse search; several: a finer one
   PassSettings thorough;              ///< a finer coarse search
+  PassSettings last;                  ///< one part, found badly: more candidates of thorough's coarse search
   Effort effort = Effort::automatic;  ///< automatic: the next pass only where the one before is not sure
   double accept_ncc = 0.8;            ///< a pass's best match is believed from here on ...
   double accept_edge = 0.5;           ///< ... and here; or

@@ -138,12 +138,15 @@ void CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t, const
   find_local_maxima(t, std::max(request.limit, request.relative_limit * best), request.border);
 
   const double near_cells = 0.25 * t.side;
+  const auto near = [&](const Peak& p, const Peak& q) {
+    const int dx = p.x - q.x, dy = p.y - q.y;
+    return dx * dx + dy * dy <= near_cells * near_cells;
+  };
   out.clear();
   taken_.clear();
   for (const Peak& p : all_) {
     if (static_cast<int>(out.size()) >= request.candidates) break;
-    const auto here = std::count_if(taken_.begin(), taken_.end(),
-                                    [&](const Peak& q) { return std::hypot(p.x - q.x, p.y - q.y) <= near_cells; });
+    const auto here = std::count_if(taken_.begin(), taken_.end(), [&](const Peak& q) { return near(p, q); });
     if (here >= request.per_location) continue;
     taken_.push_back(p);
     const CoarseTile& tile = t.tiles[static_cast<std::size_t>(p.tile)];

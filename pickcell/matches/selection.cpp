@@ -24,6 +24,11 @@ constexpr double kAboutAsGood = 0.05;     // of the score, between turns about o
 constexpr double kMayRise = 0.15;         // of the score, by another angle
 constexpr double kMayRiseSeveral = 0.05;  // many finds: only those that nearly pass
 constexpr std::size_t kContenders = 3;    // of a single search
+constexpr double kElsewhere = 0.25;       // of the part's side
+constexpr double kMostLead = 0.3;         // of the score: more says no more
+constexpr double kUsualLead = 0.1;        // neither for nor against
+constexpr double kLeadCounts = 0.3;
+constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
 bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
 
@@ -68,6 +73,7 @@ Selection::Selection(BestScene& scene, const SearchOptions& options, const BestS
       budget_(budget),
       memory_(memory),
       entries_(memory),
+      dropped_(memory),
       turned_(memory) {}
 
 double Selection::score_of(const BestModel& model, const Hypothesis& h) {
@@ -86,9 +92,10 @@ void Selection::add(const BestModel& model, int model_index, Followed followed) 
     else
       followed.dropped.push_back({h, RejectReason::budget, Stage::final});
   }
-  if (!options_.explain) return;
-  for (const Dropped& d : followed.dropped)  // with the score for which it was dropped, of a coarser level
-    turned_.push_back({entry(model, model_index, d.hypothesis, d.hypothesis.score), d.reason, d.stage});
+  if (options_.explain)
+    for (const Dropped& d : followed.dropped)  // with the score for which it was dropped, of a coarser level
+      turned_.push_back({entry(model, model_index, d.hypothesis, d.hypothesis.score), d.reason, d.stage});
+  if (options_.max_matches == 1) dropped_.emplace_back(&model, std::move(followed.dropped));
 }
 
 void Selection::add_at_border(const BestModel& model, int model_index, const Followed& followed) {
@@ -149,6 +156,34 @@ bool Selection::contender(const Entry& e) const {
   return better_ones < static_cast<std::ptrdiff_t>(kContenders);
 }
 
+double Selection::rival_of(const Entry& e) const {
+  double best = -1;
+  const auto see = [&](const Similarity& place, double score) {
+    const double off_px = std::hypot(place.x_px - e.h.place.x_px, place.y_px - e.h.place.y_px);
+    if (off_px > kElsewhere * e.model->side_px) best = std::max(best, score);
+  };
+  for (const Entry& o : entries_)
+    if (o.model == e.model) see(o.h.place, o.score);
+  if (best >= 0) return best;
+  for (const auto& [model, list] : dropped_)
+    if (model == e.model)
+      for (const Dropped& d : list) see(d.hypothesis.place, d.hypothesis.score);
+  return std::max(0.0, best);
+}
+
+/// Of a single search: whether the picture holds other places that look about as much like the part. Those that agree
+/// by chance come in numbers; a part that is covered or blurred still stands out. Says little where the score is high.
+void Selection::judge_leads() {
+  std::pmr::vector<double> judged(memory_);
+  judged.reserve(entries_.size());
+  for (const Entry& e : entries_) {
+    const double lead = std::clamp(e.score - rival_of(e), 0.0, kMostLead);
+    const double doubt = std::clamp((1 - e.score) / kDoubtful, 0.0, 1.0);
+    judged.push_back(e.score + kLeadCounts * doubt * (lead - kUsualLead));
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) entries_[i].score = judged[i];
+}
+
 double Selection::limit_of(const Entry& e) const {
   return options_.min_score.value_or(e.model->model->learnt.suggested_min_score);
 }
@@ -186,6 +221,7 @@ void Selection::finish(FindResult& result) {
     if (contender(e)) contenders.push_back(&e);
   for (Entry* e : contenders)
     if (!budget_.spent()) resolve_angle(*e);
+  if (options_.max_matches == 1) judge_leads();
   std::pmr::vector<Entry> passed(memory_), kept(memory_);
   for (Entry& e : entries_) {
     if (const RejectReason* reason = fault(e))

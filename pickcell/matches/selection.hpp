@@ -44,6 +44,9 @@ class Selection {
   [[nodiscard]] double limit_of(const Entry& e) const;
   void resolve_angle(Entry& e);
   void note_ambiguity(Entry& e, double offset_deg, double score);
+  /// The best score of anything of the same model elsewhere in the picture.
+  [[nodiscard]] double rival_of(const Entry& e) const;
+  void judge_leads();
   [[nodiscard]] const RejectReason* fault(const Entry& e) const;
   void turn_down(Entry&& e, RejectReason reason);
   void describe(const Entry& e, Match& out);
@@ -55,7 +58,8 @@ class Selection {
   WorkBudget& budget_;
   std::pmr::memory_resource* memory_;
   std::pmr::vector<Entry> entries_;
-  std::pmr::vector<Turned> turned_;  ///< with options.explain
+  std::pmr::vector<std::pair<const BestModel*, std::pmr::vector<Dropped>>> dropped_;  ///< of a single search
+  std::pmr::vector<Turned> turned_;                                                   ///< with options.explain
 };
 
 }  // namespace pickcell::matches
