@@ -191,6 +191,12 @@ TEST(RstEngine, NegativeContrastIsFoundOnlyWhenAskedFor) {
   const FindResult r = find(negative, picture, scene.model);
   ASSERT_EQ(r.matches.size(), 1u);
   EXPECT_LT(distance_px(r.matches[0].pose, {160, 120, 40, 1}), 2);
+  settings.refine_subpixel = true;  // fits no negatives: the find stays as it is
+  RstEngine refining(RstVariant::rst, settings);
+  const FindResult kept = find(refining, picture, scene.model);
+  ASSERT_EQ(kept.matches.size(), 1u);
+  EXPECT_EQ(kept.matches[0].score, r.matches[0].score);
+  EXPECT_EQ(kept.matches[0].pose.x_px, r.matches[0].pose.x_px);
 }
 
 TEST(RstEngine, OptionsOfTheSpecificationStillFindThePart) {
@@ -200,7 +206,8 @@ TEST(RstEngine, OptionsOfTheSpecificationStillFindThePart) {
   for (const Settings& set :
        {Settings{{"radial_length", "matched"}}, Settings{{"step3_tolerance", "1"}}, Settings{{"suppress", "3"}},
         Settings{{"t_contrast", "0.1"}, {"t_brightness", "0.9"}}, Settings{{"mask", "disc"}},
-        Settings{{"location", "symmetric"}}, Settings{{"alpha", "5"}}, Settings{{"NP", "1"}}, Settings{{"NC", "16"}}}) {
+        Settings{{"location", "symmetric"}}, Settings{{"location", "quadrant"}}, Settings{{"alpha", "5"}},
+        Settings{{"NP", "1"}}, Settings{{"NC", "16"}}}) {
     auto parsed = parse_rst_settings(set, "rst");
     ASSERT_TRUE(parsed);
     RstEngine engine(RstVariant::rst, *parsed);

@@ -35,6 +35,7 @@ void RstRefine::run(const RstModel& model, Match& match) {
   const Range scale{model.scales.front() * (1 - kScaleSlack), model.scales.back() * (1 + kScaleSlack)};
   const SceneLevel scene = scene_.level(0);
   const Hypothesis h = settle(scene, points, similarity_of(match.pose, dx, dy), scale, scratch_);
+  if (h.ncc <= 0) return;  // a negative, found by match_negative: the fit knows none, its place on the grids stays
   match.pose = pose_of(h.place, dx, dy);
   match.score = std::clamp(h.ncc, 0.0, 1.0);
   const FitQuality quality = judge_fit(scene.grey, points.grey, points.few, at_level(h.place, 0), scratch_.grey);

@@ -41,7 +41,7 @@ struct RstSettings {
   WindowMask mask = WindowMask::rect;
   LocationSearch location = LocationSearch::halving;
   double min_inside = 0.8;       ///< share of the window that must lie inside the picture
-  bool refine_subpixel = false;  ///< refinement of engine `best` on what was found
+  bool refine_subpixel = false;  ///< refinement of engine `best` on what was found; negatives keep their place
 };
 
 /// engine: "rst" or "erst", for the errors. Unknown keys and malformed values are usage errors that name the known

@@ -19,7 +19,8 @@ core::Result<Loss> explain_loss(matches::Engine& engine, const image::Pyramid& p
   const matches::Rejected* last = nullptr;
   for (const matches::Rejected& r : found->rejected) {
     PoseError error = pose_error(r.match.pose, truth, symmetry_deg);
-    if (r.stage == matches::Stage::circular) error.angle_deg = 0;  // has no angle yet
+    // The circular filter has no angle yet; one that the radial filter turned down has none that counts.
+    if (r.stage == matches::Stage::circular || r.stage == matches::Stage::radial) error.angle_deg = 0;
     const bool further =
         !last || r.stage > last->stage || (r.stage == last->stage && r.match.score > last->match.score);
     if (is_loose(error, side_px) && further) last = &r;

@@ -116,19 +116,24 @@ const SourcePicture& source_for(const std::vector<SourcePicture>& sources, std::
   return fitting.empty() ? sources[(category + other) % sources.size()] : *fitting[other % fitting.size()];
 }
 
+core::Result<Loss> lost_at(const char* engine, const image::Image& picture, const matches::Model& model,
+                           const TruthPose& truth) {
+  auto made = matches::make_engine(engine, {});
+  if (!made) return core::forward(made);
+  image::Pyramid pyramid;
+  pyramid.build(picture.view());
+  return explain_loss(**made, pyramid, model, truth, 360, {});
+}
+
 /// A line for each target that one of the paper's engines did not find: the stage that lost it.
 core::Result<std::string> lost_words(const char* name, const char* engine, const image::Image& picture,
                                      const matches::Model& model, const matches::FindResult& found,
                                      const std::vector<TruthPose>& poses, const image::Image& part) {
   std::string out;
   if (std::string_view(engine) == "best") return out;
-  auto made = matches::make_engine(engine, {});
-  if (!made) return core::forward(made);
-  image::Pyramid pyramid;
-  pyramid.build(picture.view());
   for (const TruthPose& p : poses) {
     if (is_found(found, p, part)) continue;
-    auto loss = explain_loss(**made, pyramid, model, p, 360, {});
+    auto loss = lost_at(engine, picture, model, p);
     if (!loss) return core::forward(loss);
     out += "- " + std::string(name) + ", " + engine +
            text(", target at %.0f, %.0f turned by %.1f degrees: ", p.x_px, p.y_px, p.angle_deg) + "lost at stage " +
@@ -218,9 +223,18 @@ core::Result<int> run_fig9(const ExperimentOptions& options, Io& io) {
     for (const char* engine : kEngines) {
       auto found = search(engine, picture, *model, 1);
       if (!found) return core::forward(found);
-      const double angle = found->matches.empty() ? -1 : std::fmod(found->matches[0].pose.angle_deg + 360, 360);
-      report += found->matches.empty() ? std::string(" | none") : text(" | %.2f", angle);
-      row.set(engine, found->matches.empty() ? Json() : Json(angle));
+      report += " | ";
+      if (found->matches.empty()) {
+        auto loss = lost_at(engine, picture, *model, *pose);
+        if (!loss) return core::forward(loss);
+        report += "none, lost at stage " + loss->stage + " (" + loss->why + ")";
+        row.set(engine, Json());
+      } else {
+        // Hundredths of a whole turn, so that a hair below 360 is printed as 0.
+        const double angle = std::fmod(std::round(100 * found->matches[0].pose.angle_deg) + 36000, 36000) / 100;
+        report += text("%.2f", angle);
+        row.set(engine, angle);
+      }
       const matches::Model* one[] = {&*model};
       const std::string file = "fig9_" + std::to_string(kAngles[i]) + "_" + engine + ".png";
       if (auto done = image::save_png(options.out / file, matches::draw_overlay(picture.view(), *found, one)); !done)

@@ -69,7 +69,7 @@ double EngineFigures::ncc() const {
   return sum;
 }
 
-core::Result<PaperTable> measure_paper_table(const Dataset& set) {
+core::Result<PaperTable> measure_paper_table(const Dataset& set, const matches::Settings& settings) {
   PaperTable table;
   std::array<int, 3> rank{};
   for (std::size_t part = 0; part < set.templates.size(); ++part) {
@@ -80,17 +80,23 @@ core::Result<PaperTable> measure_paper_table(const Dataset& set) {
     const Dataset own = part_of(set, part);
     if (own.images.empty()) continue;
     for (const char* engine : kPaperEngines) {
+      const bool papers = std::string_view(engine) != "best";
+      if (!papers && !settings.empty()) continue;
       BenchOptions options;
       options.engine = engine;
-      options.explain = std::string_view(engine) != "best";
+      options.settings = settings;
+      options.explain = papers && settings.empty();
       auto run = run_bench(own, options);
       if (!run) return core::forward(run);
       table.yardstick_ms.insert(table.yardstick_ms.end(), run->yardstick_ms.begin(), run->yardstick_ms.end());
       for (const ImageOutcome& o : run->images) {
         table.all[engine][at].add(o);
         if (in_split) table.split[engine][at].add(o);
-        if (o.loose) continue;
         const DatasetImage& image = own.images[o.image];
+        KindFigures& kind = table.kinds[image.kind];
+        ++kind.images[engine];
+        kind.loose[engine] += o.loose ? 1 : 0;
+        if (o.loose) continue;
         table.misses.push_back({engine, image.file.filename().string(), kPaperSizes[at], image.kind,
                                 o.loss.value_or(Loss{"none", o.score.why})});
       }
@@ -117,6 +123,17 @@ std::string time_table(std::map<std::string, SizeFigures> figures) {
     out += text(" | %.0f / %.0f / %.0f", e.correct, r.correct, b.correct);
     out += text(" | %.3f -> %.3f, %.1f, ", p.erst_s, p.rst_s, p.erst_s / p.rst_s) +
            text("%.1f -> %.1f |\n", p.erst_pct, p.rst_pct);
+  }
+  return out + "\n";
+}
+
+std::string kind_table(const PaperTable& table) {
+  std::string out = "| condition | images | found loosely: e-RST % | RST % | best % |\n|---|---|---|---|---|\n";
+  for (const auto& [name, kind] : table.kinds) {
+    out += "| " + (name.empty() ? std::string("all") : name) + " | " + std::to_string(kind.images.at("erst"));
+    for (const char* engine : kPaperEngines)
+      out += text(" | %.1f", 100 * ratio(kind.loose.at(engine), kind.images.at(engine)));
+    out += " |\n";
   }
   return out + "\n";
 }

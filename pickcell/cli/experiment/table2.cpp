@@ -59,7 +59,8 @@ std::optional<fs::path> shared_set() {
   return {};
 }
 
-/// Measures one set and writes its tables and its plot: KEY.md, KEY_stages.md, KEY_misses.md, KEY_time.svg.
+/// Measures one set and writes its tables and its plot: KEY.md, KEY_variants.md, KEY_stages.md, KEY_misses.md,
+/// KEY_time.svg.
 class Report {
  public:
   explicit Report(const ExperimentOptions& options) : options_(options) {}
@@ -75,14 +76,27 @@ class Report {
                         ".\n\n";
     times += "All pictures:\n\n" + time_table(table->all);
     if (!own_split) times += "The 6, 17 and 7 templates of Table I:\n\n" + time_table(table->split);
+    times += kind_table(*table);
+    std::string variants;
+    if (own_split) {
+      auto made = variant_table(*set, *table);
+      if (!made) return core::forward(made);
+      variants = std::move(*made);
+    }
     const std::string stages = stage_table(table->all);
     const std::string misses = miss_counts(*table), list = miss_list(*table);
-    words_ += "### " + title + "\n\n" + times + stages + misses + list;
+    words_ += "### " + title + "\n\n" + times + variants + stages + misses + list;
     json_.set(key, to_json(*table));
     json_.set(key + "_yardstick_ms", y ? Json(*y) : Json());
-    for (const auto& [name, content] :
-         {std::pair{".md", times}, {"_stages.md", stages}, {"_misses.md", misses}, {"_miss_list.md", list}})
-      if (auto done = core::write_file_atomically(options_.out / (key + name), content); !done) return done;
+    for (const auto& [name, content] : {std::pair{".md", times},
+                                        {"_variants.md", variants},
+                                        {"_stages.md", stages},
+                                        {"_misses.md", misses},
+                                        {"_miss_list.md", list}})
+      if (content.empty())
+        continue;
+      else if (auto done = core::write_file_atomically(options_.out / (key + name), content); !done)
+        return done;
     return write_plots(options_.out, {plot_of(key + "_time.svg", title, *table)});
   }
 
