@@ -115,6 +115,21 @@ TEST_F(ReplayedCell, ToldIsByHowMuchPlacesMoved) {
   EXPECT_EQ(replay({"--tolerance", "1.1,0.05,0.7"}).code, 0);
 }
 
+TEST_F(ReplayedCell, PartsThatWereGivenUpStandInNobodysWayAgain) {
+  // The cell plans as if they were not there: a part beside them is good to pick.
+  const std::int64_t tight = logged("SELECT id FROM detection WHERE code = 'clearance'");
+  ASSERT_GT(tight, 0);
+  const std::string id = std::to_string(tight);
+  logged("UPDATE detection SET rejected = 0, code = '', reason = '' WHERE id = " + id + " RETURNING 1");
+  EXPECT_EQ(replay().code, 1) << "its neighbours are in its way";
+  logged(
+      "UPDATE detection SET rejected = 1, code = 'gave_up', reason = 'picking it failed 2 times', base_x_mm = NULL, "
+      "base_y_mm = NULL, base_z_mm = NULL, base_angle_deg = NULL WHERE id <> " +
+      id + " AND frame = (SELECT frame FROM detection WHERE id = " + id + ") RETURNING 1");
+  const Said said = replay();
+  EXPECT_EQ(said.code, 0) << said.out;
+}
+
 TEST_F(ReplayedCell, PicturesThatAreMissingOrWereNotKeptAreCounted) {
   const fs::path picture = fs::path(run_) / "frames" / "00000001.png";
   fs::remove(picture);
