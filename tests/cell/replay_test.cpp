@@ -102,6 +102,18 @@ TEST_F(ReplayedCell, AModelThatAsksForMoreLosesWhatItTurnsDown) {
   EXPECT_NE(words.out.find("gear_18"), std::string::npos);
 }
 
+TEST_F(ReplayedCell, ACalibrationForOtherPicturesIsSaidOnce) {
+  std::string camera = *core::read_text_file(folder_ / "camera.toml");
+  camera.replace(camera.find("1280"), 4, "1000");
+  ASSERT_TRUE(core::write_file_atomically(folder_ / "camera.toml", camera));
+  const Said said = replay({"--cell", (folder_ / "CELL.toml").string()});
+  EXPECT_EQ(said.code, 1);
+  ASSERT_EQ(said.report["notes"].items().size(), 1u) << said.out;
+  EXPECT_NE(said.report["notes"].items().front().string().find("made for pictures of 1000x1024"), std::string::npos);
+  for (const core::Json& change : said.report["changes"].items())
+    EXPECT_EQ(change["now"]["code"].string(), "calibration");
+}
+
 TEST_F(ReplayedCell, ToldIsByHowMuchPlacesMoved) {
   // Recorded a pixel and 0.6 mm beside where it is seen.
   logged("UPDATE detection SET x_px = x_px + 1, base_y_mm = base_y_mm - 0.6 WHERE id = 2 RETURNING 1");

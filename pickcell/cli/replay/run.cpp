@@ -154,6 +154,10 @@ void note(Replay& out, const RecordedFrame& frame, std::vector<FindChange> finds
   out.changed.push_back({frame.sequence, frame.file, std::move(finds)});
 }
 
+void note_once(Replay& out, const std::string& text) {
+  if (std::find(out.notes.begin(), out.notes.end(), text) == out.notes.end()) out.notes.push_back(text);
+}
+
 core::Status search(RecordedRun& run, const RecordedFrame& recorded, frames::Frame frame, Eye& eye, Replay& out) {
   if (eye.vision.rides_on_arm() && !frame.T_base_flange)
     return failure(ErrorCode::unreadable, run.folder().string(),
@@ -165,6 +169,7 @@ core::Status search(RecordedRun& run, const RecordedFrame& recorded, frames::Fra
   if (!then) return tl::unexpected(then.error());
   auto sight = eye.vision.look(frame, 1);
   if (!sight) return core::forward(sight);
+  if (sight->unfit) note_once(out, "the calibration does not fit the pictures: " + sight->unfit->line());
   give_up_as_recorded(*sight, *then, eye);
   const picks::Plan plan = picks::plan_picks(sight->parts, eye.planner, {});
   std::vector<RecordedFind> now;
