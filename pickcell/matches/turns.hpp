@@ -12,9 +12,10 @@
 
 namespace pickcell::matches {
 
-/// The hypothesis itself and the best other angles about the same anchor, each settled at level 0, best first. Sweeps
-/// the circle, as far as it is allowed (a little beyond), at a middle level, one pixel at the rim per step, and follows
-/// the highest local maxima. Stops when the budget is spent.
+/// The hypothesis itself and the best other angles, each settled at level 0, best first. Sweeps the circle about the
+/// anchor and, where the turns it finds have another centre in common, about that; as far as it is allowed (a little
+/// beyond), at a middle level, one pixel at the rim per step, and follows the highest local maxima. Stops when the
+/// budget is spent.
 [[nodiscard]] std::pmr::vector<Hypothesis> settled_turns(const Hypothesis& found, const BestModel& model,
                                                          Range allowed_deg, BestScene& scene, RefineScratch& scratch,
                                                          WorkBudget& budget, std::pmr::memory_resource* memory);

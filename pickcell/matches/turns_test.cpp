@@ -1,0 +1,74 @@
+#include "pickcell/matches/turns.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pickcell/matches/best_settings.hpp"
+#include "pickcell/matches/test_scenes.hpp"
+
+namespace pickcell::matches {
+namespace {
+
+constexpr int kTeeth = 18;
+
+/// A light gear about (0, 0) on dark ground, without teeth in one place and with a hole beside its middle.
+double gear(double x, double y) {
+  const double r = std::hypot(x, y), a = std::atan2(y, x);
+  const bool gap = std::abs(a) < 0.3;
+  const double rim = std::cos(kTeeth * a) > 0 && !gap ? 44 : 38;
+  return r > rim || std::hypot(x + 18, y) < 16 ? 0 : 1;
+}
+
+/// The gear with its middle at (x, y), turned counter-clockwise; 4 x 4 samples a pixel, from `dark` to `light`.
+image::Image draw(int width, int height, double x, double y, double angle_deg, double dark, double light) {
+  image::Image out(width, height);
+  const double c = std::cos(angle_deg / kDegPerRad), s = std::sin(angle_deg / kDegPerRad);
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) {
+      double sum = 0;
+      for (int k = 0; k < 16; ++k) {
+        const double u = i + (k % 4 - 1.5) / 4 - x, v = j + (k / 4 - 1.5) / 4 - y;
+        sum += gear(c * u - s * v, s * u + c * v);
+      }
+      out.at(i, j) = static_cast<std::uint8_t>(dark + (light - dark) * sum / 16 + 0.5);
+    }
+  return out;
+}
+
+/// The anchor is the centroid, which gap and hole draw away from the middle of the teeth. A find at any other tooth
+/// leads to the true turn and place.
+TEST(Turns, AGearFoundAtAWrongToothIsTurnedToItsPlace) {
+  Model model;
+  model.name = "gear";
+  model.picture = draw(101, 101, 50, 50, 0, 60, 180);
+  model.mask = draw(101, 101, 50, 50, 0, 0, 255);
+  model.ref_x_px = model.ref_y_px = 50;
+  const BestModel best = prepare_model(model, {0.9, 1.1}, BestSettings());
+  ASSERT_GT(std::hypot(best.ref_dx, best.ref_dy), 1);
+
+  const Pose2d truth{160.3, 118.6, 25, 1};
+  const image::Image picture = draw(320, 240, truth.x_px, truth.y_px, truth.angle_deg, 60, 180);
+  image::Pyramid pyramid;
+  pyramid.build(picture.view());
+  BestScene scene;
+  scene.start(pyramid);
+  RefineScratch scratch;
+  WorkBudget budget({}, [] { return 0.0; });
+  for (int tooth = 1; tooth < kTeeth; ++tooth) {
+    Pose2d wrong = truth;
+    wrong.angle_deg += 360.0 / kTeeth * tooth;
+    const Hypothesis found =
+        settle(scene.level(0), best.levels[0], similarity_of(wrong, best.ref_dx, best.ref_dy), best.scale, scratch);
+    const auto turns =
+        settled_turns(found, best, {-180, 180}, scene, scratch, budget, std::pmr::get_default_resource());
+    ASSERT_FALSE(turns.empty());
+    const Pose2d pose = pose_of(turns.front().place, best.ref_dx, best.ref_dy);
+    EXPECT_LT(testing::turn_deg(pose, truth), 0.2) << tooth;
+    EXPECT_LT(testing::distance_px(pose, truth), 0.2) << tooth;
+  }
+}
+
+}  // namespace
+}  // namespace pickcell::matches
