@@ -20,7 +20,7 @@ constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are l
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
 constexpr float kLower = 0.75f;         // this times the weakest candidate that became a part
 constexpr int kMostRounds = 4;
-constexpr float kLastLimit = 0.35f;  // of one part that is found badly: how far below the best candidates are tried
+constexpr float kLastLimit = 0.38f;  // of one part that is found badly: how far below the best candidates are tried
 /// Of its candidates those that are followed from a level lower: seen coarsely, an occluder pulls at them.
 constexpr std::size_t kBestCoarse = 12;
 constexpr int kMostLower = 8;           // of these to level 0
