@@ -20,7 +20,10 @@ constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are l
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
 constexpr float kLower = 0.75f;         // this times the weakest candidate that became a part
 constexpr int kMostRounds = 4;
-constexpr float kLastLimit = 0.35f;     // of one part that is found badly: how far below the best candidates are tried
+constexpr float kLastLimit = 0.38f;  // of one part that is found badly: how far below the best candidates are tried
+/// Of its candidates those that are followed from a level lower: seen coarsely, an occluder pulls at them.
+constexpr std::size_t kBestCoarse = 12;
+constexpr int kMostLower = 8;           // of these to level 0
 constexpr std::size_t kFewBest = 3;     // of the finds, by which it is judged whether one part was found badly
 constexpr int kMostAtBorder = 8;        // parts that are told to be too far outside
 constexpr double kForget = 0.995;       // of the finishing time, per call
@@ -137,7 +140,7 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
 
 Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                              const CoarseTemplates& templates, const PassSettings& pass, const SearchOptions& options,
-                             WorkBudget& budget, FindResult& result) {
+                             WorkBudget& budget, FindResult& result, int lower) {
   FollowRequest down;
   down.several = options.max_matches > 1;
   down.keep_top = pass.keep_top + (down.several ? 4 * options.max_matches : 0);
@@ -146,7 +149,8 @@ Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const 
   down.floor = options.min_score.value_or(model.model->learnt.suggested_min_score);
   down.threads = static_cast<int>(scratch_.size());
   down.sure = acceptance();
-  const int from = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
+  const int top = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
+  const int from = std::max(0, top - lower);
   Followed out = follow(candidates, model, from, scene_, down, budget, scratch_, &arena_);
   std::move(out.stages.begin(), out.stages.end(), std::back_inserter(result.stages));
   return out;
@@ -190,10 +194,11 @@ void BestEngine::prepare(std::span<const Model* const> models, const SearchOptio
 Followed BestEngine::search(BestModel& model, const SearchOptions& options, WorkBudget& budget, FindResult& result) {
   Followed all(&arena_);
   const auto enough = [&] { return budget.spent() || sure(all, model, options); };
-  const auto add = [&](const Found& f, std::size_t first, std::size_t count, const PassSettings& pass) {
+  const auto add = [&](const Found& f, std::size_t first, std::size_t count, const PassSettings& pass,
+                       int levels_lower = 0) {
     const auto list = std::span(f.list).subspan(std::min(first, f.list.size()));
     const auto part = list.first(std::min(count, list.size()));
-    merge(descend(part, model, *f.templates, pass, options, budget, result), model, all);
+    merge(descend(part, model, *f.templates, pass, options, budget, result, levels_lower), model, all);
   };
   CoarseRequest how;
   if (settings_.effort != Effort::thorough) {
@@ -219,8 +224,12 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
     add(f, 0, first, settings_.thorough);
     if (enough()) return all;
   }
+  PassSettings lower = settings_.last;
+  lower.keep_top = lower.keep_mid = kMostLower;
   for (const Found& f : bands) {
     if (promising(all, model)) return all;
+    add(f, 0, kBestCoarse, lower, 1);
+    if (enough() || promising(all, model)) return all;
     add(f, first, f.list.size(), settings_.last);
     if (enough()) return all;
   }

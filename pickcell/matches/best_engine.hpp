@@ -61,9 +61,10 @@ class BestEngine final : public Engine {
                                                    WorkBudget& budget, FindResult& result);
   [[nodiscard]] Followed search_several(BestModel& model, const SearchOptions& options, WorkBudget& budget,
                                         FindResult& result);
+  /// lower: levels below the one that belongs to the templates, to start from.
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
-                                 const SearchOptions& options, WorkBudget& budget, FindResult& result);
+                                 const SearchOptions& options, WorkBudget& budget, FindResult& result, int lower = 0);
   [[nodiscard]] std::optional<double> searching_ms(const SearchOptions& options) const;
   void note_finishing(const SearchOptions& options, double used_ms);
   [[nodiscard]] Acceptance acceptance() const;

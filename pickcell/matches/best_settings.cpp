@@ -119,7 +119,7 @@ BestSettings::BestSettings() {
   thorough.window = 0.45;
   last.candidates = 400;
   last.keep_top = 48;
-  last.keep_mid = 8;
+  last.keep_mid = 6;
   last.window = 0.45;
 }
 
