@@ -22,11 +22,11 @@ constexpr double kRobustBelowNcc = 0.92;
 constexpr double kSureEdge = 0.8;  // with kSureNcc: on the way down contours need not be asked
 constexpr double kGoodNcc = 0.9;   // with kGoodEdge: contours cannot say more than the grey values did
 constexpr double kGoodEdge = 0.7;
-constexpr ContourSearch kClimbContour{2, 2.5f, false};
+constexpr ContourSearch kClimbContour{2, 2.5f};
 constexpr double kDip = 0.05;               // of the score: what the first steps towards a better place may cost
 constexpr double kContoursAgree_px = 0.15;  // with where the grey values led
-constexpr ContourSearch kFirstContour{2, 3.f, false, kContoursAgree_px};
-constexpr ContourSearch kFinalContour{4, 3.f, true, 0};
+constexpr ContourSearch kFirstContour{2, 3.f, 2, kContoursAgree_px};
+constexpr ContourSearch kFinalContour{4, 3.f, 2};
 
 Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Similarity& place, const GreyFit& fit) {
   Hypothesis h;
