@@ -118,7 +118,11 @@ class Descent {
   /// The last place of the chain, judged.
   Hypothesis end_of(const Similarity& start, Fit fit_once) {
     std::pair<Similarity, GreyFit> last;
-    run(start, {model_.grey, kFinalSteps, kFinalStop_px, fit_once},
+    Similarity near = start;
+    if (fit_once == fit_grey_robust && model_.few.size() > 0)
+      near =
+          run(start, {model_.few, kFinalSteps, kNear_px, fit_once, nullptr}, [](const Similarity&, const GreyFit&) {});
+    run(near, {model_.grey, kFinalSteps, kFinalStop_px, fit_once},
         [&](const Similarity& s, const GreyFit& f) { last = {s, f}; });
     const bool measured = fit_once == fit_grey || last.second.ncc > -1;
     return measured ? judged(scene_, model_, last.first, last.second) : evaluate(scene_, model_, last.first, scratch_);
