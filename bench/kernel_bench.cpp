@@ -16,6 +16,7 @@
 #include "pickcell/matches/orientation_field.hpp"
 #include "pickcell/matches/point_kernels.hpp"
 #include "pickcell/matches/rst_kernels.hpp"
+#include "pickcell/matches/rst_radial_kernels.hpp"
 
 namespace pickcell::matches {
 namespace {

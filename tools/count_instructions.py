@@ -20,9 +20,9 @@ import zlib
 STAGES = (  # the first pattern found in a function's name decides
     (None, r"image::formats::"),  # a camera's pictures need no decoding
     ("pyramid", r"image::(\(anonymous namespace\)::)?(Pyramid|halve)"),
-    ("coarse field", r"add_tensor_row|build_coarse_scene|share_out"),
+    ("coarse field", r"sum_tensors|build_coarse_scene|share_out"),
     ("coarse search", r"best_of_four|each_of_four|CoarseSearch|CellBlock"),
-    ("edge fields", r"LazyField|tensor_row|normalise_row|orientation_field|smooth_row"),
+    ("edge fields", r"LazyField|tensor_row|orientation_field|field_part|smooth_down"),
     ("contour fit", r"find_edges|make_lines|sum_lines|line_residuals|fit_contours|FullPivLU<Eigen::Matrix<double, 5"),
     ("grey fit and scores", r"pickcell::matches|Eigen::"),
 )

@@ -29,7 +29,6 @@ class Sums {
   Sums(std::vector<float>& values, int n) : stride_(static_cast<std::size_t>(n) + kTensorSlack), values_(values) {
     values_.resize(3 * stride_);
   }
-  void clear() { std::fill(values_.begin(), values_.end(), 0.f); }
   [[nodiscard]] float* part(std::size_t q) { return values_.data() + q * stride_; }
   [[nodiscard]] TensorRow row() { return {part(0), part(1), part(2)}; }
 
@@ -80,9 +79,7 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
   Sums sums(out.sums, source.width());
   for (int y = 0; y < out.height; ++y) {
     const Share& c = out.rows[static_cast<std::size_t>(y)];
-    sums.clear();
-    for (int v = c.first; v <= c.last; ++v)
-      add_tensor_row(source, v, v == c.first ? c.first_share : v == c.last ? c.last_share : 1.f, sums.row());
+    sum_tensors(source, {c.first, c.last, c.first_share, c.last_share}, sums.row());
     store_row(sums, out.columns, static_cast<float>(1 / (ratio * ratio)), out.cells.row(y + margin) + margin);
   }
 }

@@ -22,16 +22,17 @@ struct Profiles {
   VF grey[kMostSamples];
   int count;
 
+  /// at: less half a pixel each way; all places must lie inside the picture.
   HWY_INLINE void read(image::ImageView picture, const Place& at, const Place& normal, int half, bool smooth) {
     const DF d;
     count = 2 * half + 1;
     for (int i = 0; i < count; ++i) {
       const VF t = hn::Set(d, static_cast<float>(i - half) * kNormalStep_px);
       const Place p{hn::MulAdd(normal.x, t, at.x), hn::MulAdd(normal.y, t, at.y)};
-      grey[i] = sample(picture, p);
+      grey[i] = sample_inside(picture, p);
       if (!smooth) continue;
-      const VF a = sample(picture, {hn::Sub(p.x, normal.y), hn::Add(p.y, normal.x)});
-      const VF b = sample(picture, {hn::Add(p.x, normal.y), hn::Sub(p.y, normal.x)});
+      const VF a = sample_inside(picture, {hn::Sub(p.x, normal.y), hn::Add(p.y, normal.x)});
+      const VF b = sample_inside(picture, {hn::Add(p.x, normal.y), hn::Sub(p.y, normal.x)});
       grey[i] = hn::MulAdd(hn::Set(d, 0.25f), hn::Add(a, b), hn::Mul(hn::Set(d, 0.5f), grey[i]));
     }
   }
@@ -82,6 +83,10 @@ void find_edges_impl(image::ImageView picture, const ContourColumns& c, const Le
   const float scale = std::sqrt(m.a * m.a + m.b * m.b);
   const VF a = hn::Set(d, m.a), b = hn::Set(d, m.b), unit = hn::Set(d, 1 / scale);
   const float far = static_cast<float>(half + 1) * kNormalStep_px + (smooth ? 1.f : 0.f);
+  if (static_cast<float>(std::min(picture.width(), picture.height()) - 1) <= 2 * far) {
+    std::fill(distance, distance + (c.count + lanes - 1) / lanes * lanes, kNoEdge);
+    return;
+  }
   const VF lo = hn::Set(d, far);
   const VF hi_x = hn::Set(d, static_cast<float>(picture.width() - 1) - far);
   const VF hi_y = hn::Set(d, static_cast<float>(picture.height() - 1) - far);
@@ -92,8 +97,11 @@ void find_edges_impl(image::ImageView picture, const ContourColumns& c, const Le
                    hn::MulAdd(a, y, hn::NegMulAdd(b, x, hn::Set(d, m.y)))};
     const Place normal{hn::Mul(unit, hn::MulAdd(a, nx, hn::Mul(b, ny))),
                        hn::Mul(unit, hn::NegMulAdd(b, nx, hn::Mul(a, ny)))};
+    const VF half_px = hn::Set(d, 0.5f);
+    const Place read_at{hn::Sub(hn::Min(hn::Max(at.x, lo), hi_x), half_px),
+                        hn::Sub(hn::Min(hn::Max(at.y, lo), hi_y), half_px)};
     Profiles profiles;
-    profiles.read(picture, at, normal, half, smooth);
+    profiles.read(picture, read_at, normal, half, smooth);
     Steepest best;
     best.clear();
     VF s0 = profiles.slope(2), s1 = profiles.slope(3);

@@ -94,7 +94,7 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
   Similarity s = start;
   float reach = search.radius_px;
   for (int i = 0; i < search.iterations; ++i, reach *= 0.7f) {
-    const int seen = observe(image, points, at_level(s, level), std::max(1.5f, reach), search.smooth, scratch);
+    const int seen = observe(image, points, at_level(s, level), std::max(1.5f, reach), i >= search.sharp, scratch);
     if (seen < kFewestObservations) return {};
     const auto m = solve_robust(points, scratch);
     if (!m) return {};

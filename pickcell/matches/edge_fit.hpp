@@ -29,7 +29,7 @@ struct ContourScratch {
 struct ContourSearch {
   int iterations = 2;      ///< at most
   float radius_px = 2.5f;  ///< of the first iteration, pixels of the level; shrinks by 0.7 to 1.5
-  bool smooth = false;     ///< average along the tangent (level 0, where noise is)
+  int sharp = 9;           ///< iterations before it averages along the tangent (level 0, where noise is)
   double least_px = 0;     ///< a first step smaller than this, at the rim, is not worth taking: none
 };
 

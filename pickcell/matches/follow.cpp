@@ -141,7 +141,7 @@ class Follower {
       bool same = false;
       for (const Hypothesis& k : kept) {
         same = same || same_place(k.place, h.place, model_.side_px);
-        if (distance(k, h) > kLocation * model_.side_px) continue;
+        if (!nearer_than(k.place, h.place, kLocation * model_.side_px)) continue;
         ++here;
         if (!rival) rival = &k;
       }
@@ -156,10 +156,6 @@ class Follower {
     }
     list = std::move(kept);
     if (!out_.stages.empty()) out_.stages.back().survivors = static_cast<std::int64_t>(list.size());
-  }
-
-  static double distance(const Hypothesis& a, const Hypothesis& b) {
-    return std::hypot(a.place.x_px - b.place.x_px, a.place.y_px - b.place.y_px);
   }
 
   const BestModel& model_;
@@ -200,8 +196,7 @@ double Followed::rival_score(double side_px) const {
 }
 
 bool same_place(const Similarity& a, const Similarity& b, double side_px) {
-  return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < kSamePlace * side_px &&
-         std::abs(wrap_rad(a.angle_rad - b.angle_rad)) < kSameAngle_rad;
+  return nearer_than(a, b, kSamePlace * side_px) && std::abs(wrap_rad(a.angle_rad - b.angle_rad)) < kSameAngle_rad;
 }
 
 }  // namespace pickcell::matches

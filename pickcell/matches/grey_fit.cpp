@@ -14,7 +14,8 @@ constexpr int kReweighings = 2;
 constexpr float kOutlierSigmas = 4;
 
 bool inside(image::ImageView p, float x, float y) {
-  return x >= 0 && y >= 0 && x <= static_cast<float>(p.width() - 1) && y <= static_cast<float>(p.height() - 1);
+  return x >= kInsideMargin_px && y >= kInsideMargin_px && x <= static_cast<float>(p.width() - 1) - kInsideMargin_px &&
+         y <= static_cast<float>(p.height() - 1) - kInsideMargin_px;
 }
 
 bool all_inside(image::ImageView level, const GreyPoints& p, const LevelMap& m) {

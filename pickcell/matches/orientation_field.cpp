@@ -60,17 +60,6 @@ void tensor_row_impl(const std::uint8_t* up, const std::uint8_t* padded, const s
   });
 }
 
-void add_tensor_row_impl(const std::uint8_t* up, const std::uint8_t* padded, const std::uint8_t* down, int width,
-                         float share, const TensorRow& sums) {
-  const DF d;
-  const VF s = hn::Set(d, share);
-  each_tensor(up, padded, down, width, [&](int x, const Tensor& t) HWY_ATTR {
-    hn::StoreU(hn::MulAdd(s, t.c2, hn::LoadU(d, sums.c2 + x)), d, sums.c2 + x);
-    hn::StoreU(hn::MulAdd(s, t.s2, hn::LoadU(d, sums.s2 + x)), d, sums.s2 + x);
-    hn::StoreU(hn::MulAdd(s, t.energy, hn::LoadU(d, sums.energy + x)), d, sums.energy + x);
-  });
-}
-
 /// Rows of a part, with one column on each side, smoothed 1-2-1 down the columns: 16 times the tensor's values (four by
 /// the smoothing, four by differences that are not halved).
 struct PartRows {
@@ -91,6 +80,27 @@ HWY_INLINE Tensor whole_tensor(const std::uint8_t* up, const std::uint8_t* left,
 
 HWY_INLINE Tensor sum_of(const Tensor& a, const Tensor& b) {
   return {hn::Add(a.c2, b.c2), hn::Add(a.s2, b.s2), hn::Add(a.energy, b.energy)};
+}
+
+/// All columns but the first and the last: a block of columns at once, down all rows, in registers.
+void sum_tensors_impl(image::ImageView picture, const RowShares& rows, const TensorRow& sums) {
+  const DF d;
+  const int lanes = static_cast<int>(hn::Lanes(d)), last = picture.height() - 1;
+  for (int x = 1; x + 1 < picture.width(); x += lanes) {
+    VF c2 = hn::Zero(d), s2 = c2, energy = c2;
+    for (int y = rows.first; y <= rows.last; ++y) {
+      const std::uint8_t* row = picture.row(y) + x;
+      const Tensor t =
+          whole_tensor(picture.row(std::max(0, y - 1)) + x, row - 1, row + 1, picture.row(std::min(last, y + 1)) + x);
+      const VF share = hn::Set(d, 0.25f * rows.of(y));
+      c2 = hn::MulAdd(share, t.c2, c2);
+      s2 = hn::MulAdd(share, t.s2, s2);
+      energy = hn::MulAdd(share, t.energy, energy);
+    }
+    hn::StoreU(c2, d, sums.c2 + x);
+    hn::StoreU(s2, d, sums.s2 + x);
+    hn::StoreU(energy, d, sums.energy + x);
+  }
 }
 
 /// Pixels of a row's neighbours to the left; those to the right are two further on. Beyond the picture its border is
@@ -190,7 +200,7 @@ HWY_AFTER_NAMESPACE();
 namespace pickcell::matches {
 
 HWY_EXPORT(tensor_row_impl);
-HWY_EXPORT(add_tensor_row_impl);
+HWY_EXPORT(sum_tensors_impl);
 HWY_EXPORT(field_part_impl);
 
 namespace {
@@ -222,9 +232,22 @@ void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& ou
   HWY_DYNAMIC_DISPATCH(tensor_row_impl)(n.up, n.padded, n.down, picture.width(), out);
 }
 
-void add_tensor_row(image::ImageView picture, int y, float share, const TensorRow& sums) {
-  const Neighbours n = neighbours(picture, y);
-  HWY_DYNAMIC_DISPATCH(add_tensor_row_impl)(n.up, n.padded, n.down, picture.width(), share, sums);
+void sum_tensors(image::ImageView picture, const RowShares& rows, const TensorRow& sums) {
+  HWY_DYNAMIC_DISPATCH(sum_tensors_impl)(picture, rows, sums);
+  const int last_x = picture.width() - 1, last_y = picture.height() - 1;
+  for (const int x : {0, last_x}) {
+    float c2 = 0, s2 = 0, energy = 0;
+    for (int y = rows.first; y <= rows.last; ++y) {
+      const auto gx =
+          0.5f * static_cast<float>(picture.at(std::min(last_x, x + 1), y) - picture.at(std::max(0, x - 1), y));
+      const auto gy =
+          0.5f * static_cast<float>(picture.at(x, std::min(last_y, y + 1)) - picture.at(x, std::max(0, y - 1)));
+      c2 += rows.of(y) * (gx * gx - gy * gy);
+      s2 += rows.of(y) * 2 * gx * gy;
+      energy += rows.of(y) * (gx * gx + gy * gy);
+    }
+    sums.c2[x] = c2, sums.s2[x] = s2, sums.energy[x] = energy;
+  }
 }
 
 void orientation_field_part(image::ImageView picture, const FieldPart& part, OrientationField& out) {

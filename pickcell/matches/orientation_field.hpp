@@ -25,8 +25,14 @@ struct TensorRow {
 constexpr int kTensorSlack = 16;
 void orientation_tensor_row(image::ImageView picture, int y, const TensorRow& out);
 
-/// Adds share times the row's values to the arrays.
-void add_tensor_row(image::ImageView picture, int y, float share, const TensorRow& sums);
+/// Rows first .. last, the first and the last with a share of themselves.
+struct RowShares {
+  int first, last;
+  float first_share, last_share;
+  [[nodiscard]] float of(int y) const { return y == first ? first_share : y == last ? last_share : 1.f; }
+};
+/// The rows' values, each times its share, summed down the columns.
+void sum_tensors(image::ImageView picture, const RowShares& rows, const TensorRow& sums);
 
 /// Normalised field, smoothed by 1-2-1 in both directions, as pairs (c2, s2) of bytes: +-127 is +-1. The plane is twice
 /// as wide as the picture.

@@ -39,8 +39,9 @@ void sum_points_impl(image::ImageView picture, const PointColumns& points, const
   const int lanes = static_cast<int>(hn::Lanes(d));
   const VF mid = hn::Set(d, 128.f);
   VF s = hn::Zero(d), ss = s, st = s, j0 = s, j1 = s, j2 = s, j3 = s;
+  const LevelMap less_half{map.x - 0.5f, map.y - 0.5f, map.a, map.b};
   for (int i = 0; i < points.count; i += lanes) {
-    VF v = hn::Sub(sample(picture, place_of(points.qx + i, points.qy + i, map)), mid);
+    VF v = hn::Sub(sample_inside(picture, place_of(points.qx + i, points.qy + i, less_half)), mid);
     if (i + lanes > points.count) v = hn::Mul(v, first_lanes(points.count - i));
     s = hn::Add(s, v);
     ss = hn::MulAdd(v, v, ss);

@@ -27,7 +27,8 @@ struct PointColumns {
 };
 
 /// Sums over the points of s (less 128), its square, and its products with t and j, where s is the picture at W q.
-/// Every point must lie inside the picture (a little outside is read as the border).
+/// Every point must lie inside the picture, by at least kInsideMargin_px.
+constexpr float kInsideMargin_px = 0.02f;
 struct PointSums {
   double s = 0;
   double ss = 0;

@@ -22,11 +22,11 @@ constexpr double kRobustBelowNcc = 0.92;
 constexpr double kSureEdge = 0.8;  // with kSureNcc: on the way down contours need not be asked
 constexpr double kGoodNcc = 0.9;   // with kGoodEdge: contours cannot say more than the grey values did
 constexpr double kGoodEdge = 0.7;
-constexpr ContourSearch kClimbContour{2, 2.5f, false};
+constexpr ContourSearch kClimbContour{2, 2.5f};
 constexpr double kDip = 0.05;               // of the score: what the first steps towards a better place may cost
 constexpr double kContoursAgree_px = 0.15;  // with where the grey values led
-constexpr ContourSearch kFirstContour{2, 3.f, false, kContoursAgree_px};
-constexpr ContourSearch kFinalContour{4, 3.f, true, 0};
+constexpr ContourSearch kFirstContour{2, 3.f, 2, kContoursAgree_px};
+constexpr ContourSearch kFinalContour{4, 3.f, 2};
 
 Hypothesis judged(const SceneLevel& scene, const LevelModel& model, const Similarity& place, const GreyFit& fit) {
   Hypothesis h;
@@ -118,7 +118,11 @@ class Descent {
   /// The last place of the chain, judged.
   Hypothesis end_of(const Similarity& start, Fit fit_once) {
     std::pair<Similarity, GreyFit> last;
-    run(start, {model_.grey, kFinalSteps, kFinalStop_px, fit_once},
+    Similarity near = start;
+    if (fit_once == fit_grey_robust && model_.few.size() > 0)
+      near =
+          run(start, {model_.few, kFinalSteps, kNear_px, fit_once, nullptr}, [](const Similarity&, const GreyFit&) {});
+    run(near, {model_.grey, kFinalSteps, kFinalStop_px, fit_once},
         [&](const Similarity& s, const GreyFit& f) { last = {s, f}; });
     const bool measured = fit_once == fit_grey || last.second.ncc > -1;
     return measured ? judged(scene_, model_, last.first, last.second) : evaluate(scene_, model_, last.first, scratch_);

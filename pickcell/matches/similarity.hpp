@@ -48,7 +48,15 @@ struct PixelBox {
           static_cast<float>(s.scale * std::cos(s.angle_rad)), static_cast<float>(s.scale * std::sin(s.angle_rad))};
 }
 
-[[nodiscard]] inline double wrap_rad(double a) { return std::remainder(a, 2 * std::numbers::pi); }
+[[nodiscard]] inline double wrap_rad(double a) {
+  return std::abs(a) < std::numbers::pi ? a : std::remainder(a, 2 * std::numbers::pi);
+}
+
+/// Whether two places are less than a distance apart: asked for many pairs, so without a root.
+[[nodiscard]] inline bool nearer_than(const Similarity& a, const Similarity& b, double distance_px) {
+  const double dx = a.x_px - b.x_px, dy = a.y_px - b.y_px;
+  return dx * dx + dy * dy < distance_px * distance_px;
+}
 
 /// (-180, 180].
 [[nodiscard]] inline double wrap_deg(double a) {
