@@ -11,6 +11,7 @@ namespace pickcell::matches {
 namespace {
 
 constexpr float kNothing = -1.f;
+constexpr int kLookEach = 32;  // peaks between two looks at the clock
 
 double angle_deg_of(const CoarseTemplates& t, int k) { return 360.0 * k / t.angles; }
 
@@ -144,8 +145,10 @@ void CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t, const
   };
   out.clear();
   taken_.clear();
+  int looked = 0;
   for (const Peak& p : all_) {
     if (static_cast<int>(out.size()) >= request.candidates) break;
+    if (++looked % kLookEach == 0 && budget.spent()) break;
     const auto here = std::count_if(taken_.begin(), taken_.end(), [&](const Peak& q) { return near(p, q); });
     if (here >= request.per_location) continue;
     taken_.push_back(p);
