@@ -92,11 +92,10 @@ class Report {
                                         {"_variants.md", variants},
                                         {"_stages.md", stages},
                                         {"_misses.md", misses},
-                                        {"_miss_list.md", list}})
-      if (content.empty())
-        continue;
-      else if (auto done = core::write_file_atomically(options_.out / (key + name), content); !done)
-        return done;
+                                        {"_miss_list.md", list}}) {
+      if (content.empty()) continue;
+      if (auto done = core::write_file_atomically(options_.out / (key + name), content); !done) return done;
+    }
     return write_plots(options_.out, {plot_of(key + "_time.svg", title, *table)});
   }
 
