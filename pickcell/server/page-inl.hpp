@@ -77,7 +77,8 @@ class Page : public std::enable_shared_from_this<Page> {
     socket_.auto_fragment(false);
     auto kept = std::make_shared<http::request<http::string_body>>(std::move(request));
     socket_.async_accept(*kept, [self = shared_from_this(), kept](error_code e) {
-      if (e) return self->leave();
+      if (e || self->closing_) return self->leave();
+      self->open_ = true;
       self->queue_.mark(Topic::hello);
       self->queue_.mark(Topic::snap);
       self->read();
@@ -89,9 +90,10 @@ class Page : public std::enable_shared_from_this<Page> {
   [[nodiscard]] bool views() const { return queue_.video().has_value(); }
   [[nodiscard]] bool wants_log() const { return wants_log_; }
 
-  /// Writes the next message unless one is being written.
+  /// Writes the next message unless one is being written. Until the WebSocket is open its own reply may be: what comes
+  /// waits for that.
   void pump() {
-    if (closing_) return;
+    if (!open_ || closing_) return;
     const Outgoing out = queue_.next(now());
     if (out.empty()) return arm_timer();
     if (out.frame) {
@@ -127,6 +129,7 @@ class Page : public std::enable_shared_from_this<Page> {
   }
 
   void close(websocket::close_code code, const char* why) {
+    if (!open_) return cut(why);
     if (std::exchange(closing_, true)) return;
     core::log(core::LogLevel::warning, "server", std::string("a page was closed: ") + why);
     socket_.async_close(websocket::close_reason(code, why), [self = shared_from_this()](error_code) { self->leave(); });
@@ -231,6 +234,7 @@ class Page : public std::enable_shared_from_this<Page> {
   std::string text_;   ///< being written
   std::string no_video_why_;
   bool wants_log_ = false;
+  bool open_ = false;  ///< the handshake is done
   bool closing_ = false;
 };
 

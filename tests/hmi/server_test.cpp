@@ -7,6 +7,7 @@
 #include <chrono>
 #include <future>
 #include <set>
+#include <thread>
 
 #include "pickcell/core/json.hpp"
 #include "pickcell/core/log.hpp"
@@ -215,6 +216,28 @@ TEST_F(ServerTest, TellsAPageEverythingThenWhatChanges) {
   await(page, "hb");
   page.send(R"({"type":"resync"})");
   EXPECT_EQ(await(page, "snap")["state"]["mode"].string(), "running");
+}
+
+/// News that come while a page is still being opened wait for it: two writes at once would end the server.
+TEST_F(ServerTest, PagesOpenWhileTheCellChangesAllTheTime) {
+  ServerSettings settings;
+  settings.publish_interval = std::chrono::milliseconds(0);
+  settings.heartbeat = std::chrono::milliseconds(1);
+  serve(settings);
+  std::jthread news([&](const std::stop_token& end) {
+    for (std::int64_t n = 0; !end.stop_requested(); ++n)
+      cell_.change([&](cell::Snapshot& s) {
+        s.counters.placed = n;
+        s.alarms.clear();
+        s.alarms.push_back({"A" + std::to_string(n), 1, "t", "c", {"r"}, 1, 1, 1, true});
+      });
+  });
+  for (int i = 0; i < 300; ++i) {
+    RawPage page(port_);
+    const auto first = page.next();
+    ASSERT_TRUE(first && first->text) << i;
+    EXPECT_EQ(core::parse_json(first->data, "message").value()["type"].string(), "hello");
+  }
 }
 
 TEST_F(ServerTest, OneFrameIsOnItsWayAndOnlyTheNewestWaits) {
