@@ -28,6 +28,7 @@ constexpr double kElsewhere = 0.25;       // of the part's side
 constexpr double kMostLead = 0.3;         // of the score: more says no more
 constexpr double kUsualLead = 0.1;        // neither for nor against
 constexpr double kLeadCounts = 0.3;
+constexpr double kAlike = 0.8;     // of the self-match at another turn
 constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
 bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
@@ -128,11 +129,16 @@ void Selection::resolve_angle(Entry& e) {
     if (angle_allowed(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
       tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
-  if (e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
+  const bool allowed_here = angle_allowed(e.h.place.angle_rad * kDegPerRad, allowed);
+  // A wrong turn of a part that looks much like itself when turned may agree as well as a sure result.
+  const bool alike = e.model->model->learnt.second_best_self_match >= kAlike;
+  if (!allowed_here || alike || e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
     for (const Hypothesis& h : settled_turns(e.h, *e.model, allowed, scene_, scratch_, budget_, memory_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
+  // A near-symmetric part that was found at a turn beyond the range is taken at one within it, if any fits.
+  if (!allowed_here && tries.size() > 1) tries.erase(tries.begin());
   const Hypothesis* best = best_turn(tries, e.h.place, e.model->side_px);
-  if (best != &tries.front()) {
+  if (best != &tries.front() || !allowed_here) {
     e.h = *best;
     e.score = score_of(*e.model, e.h);
   }
