@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +13,10 @@ namespace {
 
 constexpr int kFewestObservations = 12;
 constexpr float kLeastSpread_px = 0.08f;
-constexpr float kBinsPerPixel = 64;   // residuals are at most some 3.5 pixels
-constexpr double kArrived_px = 0.02;  // of the rim: what a further iteration would change less than noise does
+constexpr float kBinsPerPixel = 64;    // residuals are at most some 3.5 pixels
+constexpr float kAtRest_px = 1.5f;     // how far a settled contour looks
+constexpr double kPointsPerSight = 2;  // neighbours see the same pixels: so many are one observation
+constexpr double kArrived_px = 0.02;   // of the rim: what a further iteration would change less than noise does
 
 /// Looks for edges from one place; the number found.
 int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
@@ -32,16 +35,21 @@ int observe(image::ImageView image, const ContourPoints& points, const LevelMap&
 /// Movement in the scene: shift (dx, dy), turn (radians, counter-clockwise on the screen), growth.
 using Movement = Eigen::Vector4d;
 
-std::optional<Movement> solve(const LineColumns& lines) {
+Eigen::Matrix4d normal_of(const LineColumns& lines, Movement& right) {
   float sums[14];
   sum_lines(lines, sums);
   Eigen::Matrix4d A;
-  Movement right;
   int k = 0;
   for (int a = 0; a < 4; ++a) {
     for (int b = a; b < 4; ++b) A(a, b) = A(b, a) = static_cast<double>(sums[k++]);
     right[a] = static_cast<double>(sums[10 + a]);
   }
+  return A;
+}
+
+std::optional<Movement> solve(const LineColumns& lines) {
+  Movement right;
+  Eigen::Matrix4d A = normal_of(lines, right);
   A.diagonal() *= 1.0005;  // round contours do not know their angle
   const Eigen::LDLT<Eigen::Matrix4d, Eigen::Lower> ldlt(A);
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return {};
@@ -63,10 +71,13 @@ void reweigh(const LineColumns& lines, const Movement& m, ContourScratch& s) {
   weigh_lines(s.residual.data(), s.found.data(), cut, lines.count, s.weight.data());
 }
 
+LineColumns lines_of(const ContourPoints& points, const ContourScratch& s) {
+  return {s.nx.data(), s.ny.data(), s.turn.data(), s.growth.data(), s.distance.data(), s.weight.data(), points.count};
+}
+
 std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch& s) {
   constexpr int kRounds = 4;
-  const LineColumns lines{s.nx.data(),       s.ny.data(),     s.turn.data(), s.growth.data(),
-                          s.distance.data(), s.weight.data(), points.count};
+  const LineColumns lines = lines_of(points, s);
   for (int round = 0;; ++round) {
     const auto m = solve(lines);
     if (!m || round + 1 == kRounds) return m;
@@ -111,6 +122,30 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
     if (moved_px < kArrived_px) break;
   }
   return s;
+}
+
+std::optional<Eigen::Matrix4d> contour_covariance(image::ImageView picture, const ContourPoints& points,
+                                                  const Similarity& place, ContourScratch& scratch) {
+  if (observe(picture, points, at_level(place, 0), kAtRest_px, false, scratch) < kFewestObservations) return {};
+  const auto rest = solve_robust(points, scratch);
+  if (!rest) return {};
+  const LineColumns lines = lines_of(points, scratch);
+  const float movement[4] = {static_cast<float>((*rest)[0]), static_cast<float>((*rest)[1]),
+                             static_cast<float>((*rest)[2]), static_cast<float>((*rest)[3])};
+  line_residuals(lines, movement, scratch.residual.data());
+  double weight = 0, square = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
+    const double w = static_cast<double>(scratch.weight[i]), r = static_cast<double>(scratch.residual[i]);
+    weight += w;
+    square += w * r * r;
+  }
+  if (weight <= kFewestObservations) return {};
+  Movement unused;
+  const Eigen::FullPivLU<Eigen::Matrix4d> lu(normal_of(lines, unused));
+  if (!lu.isInvertible()) return {};
+  const Eigen::Matrix4d covariance = lu.inverse() * (kPointsPerSight * square / (weight - 4));
+  if (!covariance.allFinite() || (covariance.diagonal().array() <= 0).any()) return {};
+  return covariance;
 }
 
 }  // namespace pickcell::matches

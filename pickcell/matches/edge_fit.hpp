@@ -1,6 +1,7 @@
 #pragma once
 /// Scores a place by its edges, and moves it so that the template's contours fall on the scene's.
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -39,5 +40,11 @@ struct ContourSearch {
 [[nodiscard]] std::optional<Similarity> fit_contours(image::ImageView scene_level, int level,
                                                      const ContourPoints& points, const Similarity& start,
                                                      const ContourSearch& search, ContourScratch& scratch);
+
+/// How certain a place is by its contours: covariance of (x, y, turn, growth) about the anchor, pixels of level 0 and
+/// radians, from the scatter of what is seen along the normals. None when too few points find an edge or the contours
+/// leave something open.
+[[nodiscard]] std::optional<Eigen::Matrix4d> contour_covariance(image::ImageView picture, const ContourPoints& points,
+                                                                const Similarity& place, ContourScratch& scratch);
 
 }  // namespace pickcell::matches

@@ -28,6 +28,7 @@ constexpr double kElsewhere = 0.25;       // of the part's side
 constexpr double kMostLead = 0.3;         // of the score: more says no more
 constexpr double kUsualLead = 0.1;        // neither for nor against
 constexpr double kLeadCounts = 0.3;
+constexpr double kVague_px = 0.1;  // a place known worse than this by its grey values may be known better by contours
 constexpr double kAlike = 0.8;     // of the self-match at another turn
 constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
@@ -44,6 +45,20 @@ Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, d
       b, -a, rx, -ry,        //
       0, 0, -kDegPerRad, 0,  //
       0, 0, 0, -s.scale;
+  return J * C * J.transpose();
+}
+
+/// From (x, y, turn, growth) of the scene about the anchor to the same pose.
+Eigen::Matrix4d moved_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
+  const double a = s.scale * std::cos(s.angle_rad);
+  const double b = s.scale * std::sin(s.angle_rad);
+  const double rx = a * ref_dx + b * ref_dy;
+  const double ry = -b * ref_dx + a * ref_dy;
+  Eigen::Matrix4d J;
+  J << 1, 0, ry, rx,        //
+      0, 1, -rx, ry,        //
+      0, 0, kDegPerRad, 0,  //
+      0, 0, 0, s.scale;
   return J * C * J.transpose();
 }
 
@@ -288,6 +303,13 @@ void Selection::describe(const Entry& e, Match& m) {
   const FitQuality q = judge_fit(scene.grey, level.grey, level.few, at_level(e.h.place, 0), scratch_.grey);
   m.visible = q.visible;
   m.covariance = pose_covariance(q.covariance, e.h.place, e.model->ref_dx, e.model->ref_dy);
+  // Parts that are flat inside, or nearly: their contours decide the pose.
+  const double grey_px_sq = m.covariance.topLeftCorner<2, 2>().trace();
+  if (grey_px_sq == 0 || grey_px_sq > kVague_px * kVague_px)
+    if (const auto c = contour_covariance(scene.grey, level.contours, e.h.place, scratch_.contour)) {
+      const Eigen::Matrix4d by_contours = moved_covariance(*c, e.h.place, e.model->ref_dx, e.model->ref_dy);
+      if (grey_px_sq == 0 || by_contours.topLeftCorner<2, 2>().trace() < grey_px_sq) m.covariance = by_contours;
+    }
   m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());
 }
 
