@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "pickcell/image/pyramid.hpp"
 
@@ -16,6 +17,9 @@ constexpr double kSame = 0.95;           ///< a symmetric part's likeness: resam
 constexpr double kNearlySame = 0.9;      ///< a matcher under occlusion and blur may take it for the true angle
 constexpr double kHopeless = 0.3;        ///< not worth climbing from
 constexpr double kNearDeg = 20;          ///< the true angle's own shoulder
+constexpr double kRepeats = 0.8;         ///< a copy beside the part, as a matcher may take it for the part
+constexpr double kRepeatCover = 0.5;     ///< of the part must lie on itself to tell
+constexpr double kRepeatDip = 0.3;       ///< a smooth part resembles itself nearby without repeating
 constexpr double kRectangleCover = 0.8;  ///< without a mask the corners are background
 
 /// The template at the level where the search is cheap and shapes are still to be told apart.
@@ -25,6 +29,7 @@ struct Work {
   double area = 0;
   double centre_x = 0, centre_y = 0;
   bool masked = false;
+  int px_per_pixel = 1;  ///< of the template
 };
 
 Work make_work(image::ImageView picture, image::ImageView mask) {
@@ -44,6 +49,7 @@ Work make_work(image::ImageView picture, image::ImageView mask) {
   masks.build(part, 4);
   int level = 0;
   for (double side = std::sqrt(area); side > kMaxWorkSidePx && level + 1 < pictures.levels(); side /= 2) ++level;
+  work.px_per_pixel = 1 << level;
   work.picture = image::Image(pictures.level(level));
   work.mask = image::Image(masks.level(level));
   for (int y = 0; y < work.mask.height(); ++y)
@@ -58,8 +64,13 @@ Work make_work(image::ImageView picture, image::ImageView mask) {
   return work;
 }
 
-/// Likeness of the template and itself turned about the centre and moved by (dx, dy).
-double likeness(const Work& work, double angle_deg, double dx, double dy) {
+struct Comparison {
+  double ncc = 0;    ///< 0 where one of the two is flat
+  double cover = 0;  ///< share of the part that lies on the part
+};
+
+/// The template and itself turned about the centre and moved by (dx, dy).
+Comparison compare(const Work& work, double angle_deg, double dx, double dy) {
   const double a = angle_deg * std::numbers::pi / 180;
   const double c = std::cos(a), s = std::sin(a);
   double n = 0, sum_a = 0, sum_b = 0, sum_aa = 0, sum_bb = 0, sum_ab = 0;
@@ -83,12 +94,47 @@ double likeness(const Work& work, double angle_deg, double dx, double dy) {
       sum_bb += there * there;
       sum_ab += here * there;
     }
-  if (n < 0.2 * work.area || n < 9) return 0;
+  if (n < 0.2 * work.area || n < 9) return {};
   const double var_a = sum_aa - sum_a * sum_a / n, var_b = sum_bb - sum_b * sum_b / n;
-  if (var_a < n || var_b < n) return 0;
-  const double ncc = (sum_ab - sum_a * sum_b / n) / std::sqrt(var_a * var_b);
   const double cover = n / work.area;
-  return std::max(0.0, ncc) * (work.masked ? cover : std::min(1.0, cover / kRectangleCover));
+  if (var_a < n || var_b < n) return {0, cover};
+  return {(sum_ab - sum_a * sum_b / n) / std::sqrt(var_a * var_b), cover};
+}
+
+double likeness(const Work& work, double angle_deg, double dx, double dy) {
+  const Comparison c = compare(work, angle_deg, dx, dy);
+  return std::max(0.0, c.ncc) * (work.masked ? c.cover : std::min(1.0, c.cover / kRectangleCover));
+}
+
+/// Whether the part looks the same beside itself: the best local maximum over shifts that leave most of it on itself
+/// and that are parted from no shift at all by places where it looks otherwise.
+std::optional<Repeat> repeat_of(const Work& work) {
+  const int reach_x = static_cast<int>((1 - kRepeatCover) * work.picture.width());
+  const int reach_y = static_cast<int>((1 - kRepeatCover) * work.picture.height());
+  image::Plane<float> ncc(2 * reach_x + 1, 2 * reach_y + 1);
+  for (int y = -reach_y; y <= reach_y; ++y)
+    for (int x = -reach_x; x <= reach_x; ++x) {
+      const Comparison c = compare(work, 0, x, y);
+      ncc.at(x + reach_x, y + reach_y) = static_cast<float>(c.cover >= kRepeatCover ? c.ncc : 0);
+    }
+  std::optional<Repeat> best;
+  for (int y = 0; y <= reach_y; ++y)  // the other half is the same
+    for (int x = -reach_x + 1; x < reach_x; ++x) {
+      const double here = static_cast<double>(ncc.at(x + reach_x, y + reach_y));
+      if (here < kRepeats || (best && here <= best->likeness) || (y == 0 && x <= 0)) continue;
+      bool peak = true;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+          if (y + j <= reach_y && y + j >= -reach_y)
+            peak = peak && here >= static_cast<double>(ncc.at(x + i + reach_x, y + j + reach_y));
+      double lowest = 1;
+      const int steps = std::max(std::abs(x), y);
+      for (int k = 0; k <= steps; ++k)
+        lowest = std::min(lowest, static_cast<double>(ncc.at(reach_x + x * k / steps, reach_y + y * k / steps)));
+      if (peak && lowest < here - kRepeatDip)
+        best = Repeat{static_cast<double>(x * work.px_per_pixel), static_cast<double>(y * work.px_per_pixel), here};
+    }
+  return best;
 }
 
 /// The best likeness near the centre: climbs in steps of one and then half a pixel.
@@ -160,6 +206,8 @@ SelfMatch self_match(image::ImageView picture, image::ImageView mask) {
   const auto curve = turned_likeness(picture, mask);
   SelfMatch found;
   if (curve.empty()) return found;
+  found.repeat = repeat_of(make_work(picture, mask));
+  if (found.repeat) found.second_best = found.repeat->likeness;
   found.symmetry_order = symmetry_order(curve);
   if (found.symmetry_order == kAnyAngle) {
     for (double angle = 30; angle < 360; angle += 30) found.ambiguous_deg.push_back(angle);

@@ -2,11 +2,18 @@
 /// How much a template looks like itself when it is turned: its symmetry, and the angles a matcher may take for the
 /// true one.
 
+#include <optional>
 #include <vector>
 
 #include "pickcell/image/image.hpp"
 
 namespace pickcell::matches {
+
+/// A shift by which the part looks the same, pixels of the template; likeness: NCC of what lies on the part.
+struct Repeat {
+  double dx_px = 0, dy_px = 0;
+  double likeness = 0;
+};
 
 /// Angles are offsets from the taught one, degrees in (0, 360), counter-clockwise.
 struct SelfMatch {
@@ -14,8 +21,9 @@ struct SelfMatch {
   int symmetry_order = 1;
   /// Offsets at which the part looks nearly the same, the symmetry's included (for a disc: every 30 degrees).
   std::vector<double> ambiguous_deg;
-  /// Best likeness at an angle that is neither near 0 nor one of the symmetry's, 0..1.
+  /// Best likeness elsewhere, 0..1: turned by an angle that is neither near 0 nor one of the symmetry's, or moved.
   double second_best = 0;
+  std::optional<Repeat> repeat;  ///< the part repeats within itself
 };
 
 constexpr int kAnyAngle = 360;

@@ -155,8 +155,17 @@ double suggested_threshold(double part_pixels, const TemplatePyramid& part) {
   return by_size + 0.22 * few_directions - 0.05 * own_outline;
 }
 
-Learnt learn(const Model& model, const PartFeatures& features) {
+void warn_about_repeat(const Repeat& repeat, std::vector<TeachWarning>& warnings) {
+  warnings.push_back(
+      {"repeats", formatted("moved by %.0f", repeat.dx_px) + formatted(", %.0f pixels", repeat.dy_px) +
+                      formatted(" the part looks much like itself (%.2f): a neighbour may be taken for it; "
+                                "teach a piece with an end or a mark",
+                                repeat.likeness)});
+}
+
+Learnt learn(const Model& model, const PartFeatures& features, std::vector<TeachWarning>& warnings) {
   const SelfMatch self = self_match(model.picture.view(), model.mask.view());
+  if (self.repeat) warn_about_repeat(*self.repeat, warnings);
   Learnt learnt;
   learnt.symmetry_order = self.symmetry_order;
   learnt.ambiguous_deg = self.ambiguous_deg;
@@ -205,7 +214,7 @@ core::Result<Taught> teach(const TeachInput& input) {
                       formatted(" (contrast %.1f grey values)", features.coarse_std),
                   input.mask ? "let the mask include the part's edge, or light the part so that its shape shows"
                              : "choose a region with edges, or light the part so that its shape shows");
-  out.model.learnt = learn(out.model, features);
+  out.model.learnt = learn(out.model, features, out.warnings);
   warn_about_size(features, out.warnings);
   warn_about_features(features, out.warnings);
   warn_about_angles(out.model.learnt, out.warnings);

@@ -237,5 +237,23 @@ TEST(SelfMatch, TheOutlineCounts) {
   EXPECT_EQ(self_match(texture.view(), bar.view()).symmetry_order, 2);
 }
 
+/// A row of pins looks the same one pin further; a bracket, a wheel and a smooth ramp do not look the same elsewhere.
+TEST(SelfMatch, ARowOfPinsRepeats) {
+  const Image pins =
+      drawn(160, 60, [](double x, double y) { return std::fmod(x + 4, 20.0) < 8 && y > 12 && y < 48 ? 210.0 : 60.0; });
+  const SelfMatch row = self_match(pins.view(), {});
+  ASSERT_TRUE(row.repeat);
+  EXPECT_NEAR(row.repeat->dx_px, 20, 2);
+  EXPECT_NEAR(row.repeat->dy_px, 0, 2);
+  EXPECT_GT(row.second_best, 0.9);
+  const auto taught = teach(of(pins));
+  ASSERT_TRUE(taught);
+  EXPECT_TRUE(warns(*taught, "repeats"));
+  EXPECT_FALSE(self_match(bracket().view(), {}).repeat);
+  EXPECT_FALSE(self_match(wheel(5).view(), disc_mask().view()).repeat);
+  const Image ramp = drawn(120, 80, [](double x, double y) { return 40 + x + 0.5 * y; });
+  EXPECT_FALSE(self_match(ramp.view(), {}).repeat);
+}
+
 }  // namespace
 }  // namespace pickcell::matches
