@@ -20,6 +20,10 @@ constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are l
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
 constexpr float kLower = 0.75f;         // this times the weakest candidate that became a part
 constexpr int kMostRounds = 4;
+/// Of several parts: places of candidates above this part of the best that came to nothing are looked at once more.
+constexpr float kLostLimit = 0.6f;
+constexpr std::size_t kMostLost = 6;
+constexpr double kLostReach = 0.35;  // about the place, of the part's side
 constexpr float kLastLimit = 0.38f;  // of one part that is found badly: how far below the best candidates are tried
 /// Of its candidates those that are followed from a level lower: seen coarsely, an occluder pulls at them.
 constexpr std::size_t kBestCoarse = 12;
@@ -81,6 +85,31 @@ float weakest_candidate(const Followed& all, double least_score) {
   return weakest;
 }
 
+/// Where candidates looked like parts and none was found, best first: places of the anchor.
+std::pmr::vector<Hypothesis> lost_places(const Followed& all, const BestModel& model, double least_score, float best,
+                                         std::pmr::memory_resource* memory) {
+  std::pmr::vector<Hypothesis> lost(memory);
+  const auto apart = [&](const Hypothesis& a, const Hypothesis& b) {
+    return std::hypot(a.place.x_px - b.place.x_px, a.place.y_px - b.place.y_px) > kLostReach * model.side_px;
+  };
+  for (const Dropped& d : all.dropped) {
+    if (d.reason != RejectReason::score || d.hypothesis.coarse < kLostLimit * best) continue;
+    const bool known = std::any_of(all.found.begin(), all.found.end(), [&](const Hypothesis& h) {
+      return h.score >= least_score && !apart(h, d.hypothesis);
+    });
+    if (!known) lost.push_back(d.hypothesis);
+  }
+  std::sort(lost.begin(), lost.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.coarse != b.coarse ? a.coarse > b.coarse : a.place.x_px < b.place.x_px;
+  });
+  std::pmr::vector<Hypothesis> places(memory);
+  for (const Hypothesis& h : lost)
+    if (places.size() < kMostLost &&
+        std::all_of(places.begin(), places.end(), [&](const Hypothesis& p) { return apart(p, h); }))
+      places.push_back(h);
+  return places;
+}
+
 /// Adds what another pass found; of two finds of one place the better stays.
 void merge(Followed more, const BestModel& model, Followed& all) {
   for (const Hypothesis& h : more.found) {
@@ -114,7 +143,7 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
                                                            WorkBudget& budget, FindResult& result) {
   CoarseRequest request = how;
   request.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
-  if (options.roi) request.box = anchor_box(*options.roi, model);
+  if (options.roi && !request.box) request.box = anchor_box(*options.roi, model);
   request.threads = static_cast<int>(scratch_.size());
   std::pmr::vector<Found> all(&arena_);
   all.reserve(bands.size());
@@ -186,8 +215,7 @@ void BestEngine::prepare(std::span<const Model* const> models, const SearchOptio
   for (const Model* model : models) {
     BestModel& own = prepared(*model, options.scale.value_or(model->scale));
     if (options.max_matches > 1 && settings_.effort != Effort::thorough) prepare_wide(own);
-    if (settings_.effort == Effort::thorough || (options.max_matches == 1 && settings_.effort != Effort::quick))
-      prepare_thorough(own);
+    if (settings_.effort != Effort::quick) prepare_thorough(own);
   }
 }
 
@@ -269,11 +297,13 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
   how.relative_limit = kRelativeLimit;
   Followed all(&arena_);
   std::pmr::vector<std::size_t> done(top.size(), 0, &arena_);  // candidates of each band: a lower limit only adds some
+  float highest = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     float best = 0;
     for (const Found& f : candidates(model, top, how, options, budget, result)) {
       if (f.list.empty()) continue;
       best = std::max(best, f.list.front().score);
+      highest = std::max(highest, best);
       std::size_t& from = done[static_cast<std::size_t>(f.templates - top.data())];
       const auto more = std::span(f.list).subspan(std::min(from, f.list.size()));
       from = f.list.size();
@@ -284,7 +314,26 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
     if (weakest >= kNearLimit * how.relative_limit * best) break;
     how.relative_limit = kLower * weakest / best;
   }
+  if (settings_.effort == Effort::automatic) look_again(model, options, highest, budget, all, result);
   return all;
+}
+
+/// A part that lies badly on the coarse grid of places, angles and scales is seen by a finer one.
+void BestEngine::look_again(BestModel& model, const SearchOptions& options, float best, WorkBudget& budget,
+                            Followed& all, FindResult& result) {
+  prepare_thorough(model);
+  const double least = options.min_score.value_or(model.model->learnt.suggested_min_score);
+  for (const Hypothesis& h : lost_places(all, model, least, best, &arena_)) {
+    CoarseRequest how;
+    how.candidates = settings_.thorough.candidates;
+    how.per_location = how.candidates;
+    const double reach = kLostReach * model.side_px;
+    how.box = {h.place.x_px - reach, h.place.y_px - reach, h.place.x_px + reach, h.place.y_px + reach};
+    for (const Found& f : candidates(model, model.thorough, how, options, budget, result)) {
+      if (budget.spent()) return;
+      merge(descend(f.list, model, *f.templates, settings_.thorough, options, budget, result), model, all);
+    }
+  }
 }
 
 std::optional<double> BestEngine::searching_ms(const SearchOptions& options) const {

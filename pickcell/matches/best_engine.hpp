@@ -61,6 +61,9 @@ class BestEngine final : public Engine {
                                                    WorkBudget& budget, FindResult& result);
   [[nodiscard]] Followed search_several(BestModel& model, const SearchOptions& options, WorkBudget& budget,
                                         FindResult& result);
+  /// Of several parts: looks once more, finely, where good candidates came to nothing. best: coarse score.
+  void look_again(BestModel& model, const SearchOptions& options, float best, WorkBudget& budget, Followed& all,
+                  FindResult& result);
   /// lower: levels below the one that belongs to the templates, to start from.
   [[nodiscard]] Followed descend(std::span<const CoarseCandidate> candidates, const BestModel& model,
                                  const CoarseTemplates& templates, const PassSettings& pass,
