@@ -34,21 +34,7 @@ constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead cou
 
 bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
 
-/// From (dx, dy, turn, growth) of the template about the anchor to (x, y, angle_deg, scale) of the reference point.
-Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
-  const double a = s.scale * std::cos(s.angle_rad);
-  const double b = s.scale * std::sin(s.angle_rad);
-  const double rx = a * ref_dx + b * ref_dy;
-  const double ry = -b * ref_dx + a * ref_dy;
-  Eigen::Matrix4d J;
-  J << -a, -b, -ry, -rx,     //
-      b, -a, rx, -ry,        //
-      0, 0, -kDegPerRad, 0,  //
-      0, 0, 0, -s.scale;
-  return J * C * J.transpose();
-}
-
-/// From (x, y, turn, growth) of the scene about the anchor to the same pose.
+/// From (x, y, turn, growth) of the scene about the anchor to (x_px, y_px, angle_deg, scale) of the reference point.
 Eigen::Matrix4d moved_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
   const double a = s.scale * std::cos(s.angle_rad);
   const double b = s.scale * std::sin(s.angle_rad);
@@ -60,6 +46,18 @@ Eigen::Matrix4d moved_covariance(const Eigen::Matrix4d& C, const Similarity& s, 
       0, 0, kDegPerRad, 0,  //
       0, 0, 0, s.scale;
   return J * C * J.transpose();
+}
+
+/// The same from (dx, dy, turn, growth) of the template about the anchor, which move the scene the other way.
+Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
+  const double a = s.scale * std::cos(s.angle_rad);
+  const double b = s.scale * std::sin(s.angle_rad);
+  Eigen::Matrix4d K;
+  K << -a, -b, 0, 0,  //
+      b, -a, 0, 0,    //
+      0, 0, -1, 0,    //
+      0, 0, 0, -1;
+  return moved_covariance(K * C * K.transpose(), s, ref_dx, ref_dy);
 }
 
 bool same_spot(const Similarity& a, const Similarity& b, double side_px) {
