@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kStepDeg = 2;
 constexpr double kMaxWorkSidePx = 64;    ///< of the square of the part's area at the working level; at least half of it
-constexpr double kSame = 0.95;           ///< a symmetric part's likeness: resampling costs 1 to 4 percent
+constexpr double kAllAlike = 0.95;       ///< a disc with a mark: any turn is nearly the same
+constexpr double kDiscStepDeg = 30;      ///< of the turns told of a disc
 constexpr double kNearlySame = 0.9;      ///< a matcher under occlusion and blur may take it for the true angle
 constexpr double kHopeless = 0.3;        ///< not worth climbing from
 constexpr double kNearDeg = 20;          ///< the true angle's own shoulder
@@ -165,19 +166,6 @@ double highest_near(const std::vector<TurnedLikeness>& curve, double angle_deg, 
   return best;
 }
 
-int symmetry_order(const std::vector<TurnedLikeness>& curve) {
-  double lowest = 1;
-  for (const auto& point : curve) lowest = std::min(lowest, point.likeness);
-  if (lowest >= kSame) return kAnyAngle;
-  int order = 1;
-  for (int k = 2; k <= 36; ++k) {
-    double worst = 1;
-    for (int i = 1; i < k; ++i) worst = std::min(worst, highest_near(curve, 360.0 * i / k, kStepDeg / 2 + 0.01));
-    if (worst >= kSame) order = k;
-  }
-  return order;
-}
-
 bool is_peak(const std::vector<TurnedLikeness>& curve, std::size_t i) {
   return curve[i].likeness >= highest_near(curve, curve[i].angle_deg, kNearDeg / 2);
 }
@@ -208,19 +196,28 @@ SelfMatch self_match(image::ImageView picture, image::ImageView mask) {
   if (curve.empty()) return found;
   found.repeat = repeat_of(make_work(picture, mask));
   if (found.repeat) found.second_best = found.repeat->likeness;
-  found.symmetry_order = symmetry_order(curve);
-  if (found.symmetry_order == kAnyAngle) {
-    for (double angle = 30; angle < 360; angle += 30) found.ambiguous_deg.push_back(angle);
-    return found;
-  }
-  const double near = std::min(kNearDeg, 180.0 / found.symmetry_order);
+  const Symmetry symmetry = find_symmetry(picture, mask);
+  found.symmetry_order = symmetry.order;
+  const bool nearly = symmetry.nearly > symmetry.order && symmetry.nearly % symmetry.order == 0;
+  const bool some_nearly = nearly && symmetry.nearly != kAnyAngle;
+  const bool any_nearly = nearly && !some_nearly && symmetry.order == 1 && symmetry.nearly_likeness >= kAllAlike;
+  double told_deg = 360.0 / symmetry.order;
+  if (symmetry.order == kAnyAngle || any_nearly) told_deg = kDiscStepDeg;
+  if (some_nearly) told_deg = 360.0 / symmetry.nearly;
+  for (int i = 1; i < std::lround(360 / told_deg); ++i) found.ambiguous_deg.push_back(i * told_deg);
+  if (symmetry.order == kAnyAngle) return found;
+  if (some_nearly || any_nearly) found.second_best = std::max(found.second_best, symmetry.nearly_likeness);
+  const double near = std::min(kNearDeg, 180.0 / symmetry.order);
+  std::vector<double> peaks;
   for (std::size_t i = 0; i < curve.size(); ++i) {
-    const double to_symmetric = std::remainder(curve[i].angle_deg, 360.0 / found.symmetry_order);
+    const double to_symmetric = std::remainder(curve[i].angle_deg, 360.0 / symmetry.order);
     if (std::abs(to_symmetric) < near || !is_peak(curve, i)) continue;
     found.second_best = std::max(found.second_best, curve[i].likeness);
-    if (curve[i].likeness >= kNearlySame) add_peak(found.ambiguous_deg, curve[i].angle_deg);
+    if (curve[i].likeness >= kNearlySame) add_peak(peaks, curve[i].angle_deg);
   }
-  for (int i = 1; i < found.symmetry_order; ++i) found.ambiguous_deg.push_back(360.0 * i / found.symmetry_order);
+  for (const double peak : peaks)
+    if (std::abs(std::remainder(peak, told_deg)) >= std::min(kNearDeg / 2, told_deg / 4) && !any_nearly)
+      found.ambiguous_deg.push_back(peak);
   std::sort(found.ambiguous_deg.begin(), found.ambiguous_deg.end());
   return found;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pickcell/image/image.hpp"
+#include "pickcell/matches/symmetry.hpp"
 
 namespace pickcell::matches {
 
@@ -25,8 +26,6 @@ struct SelfMatch {
   double second_best = 0;
   std::optional<Repeat> repeat;  ///< the part repeats within itself
 };
-
-constexpr int kAnyAngle = 360;
 
 /// Likeness of the template and itself turned by angle_deg: masked NCC at best position, less where the outlines
 /// differ. mask: same size, >= 128 is part; empty: everything. 0..1.
