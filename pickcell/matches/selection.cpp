@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -30,7 +31,9 @@ constexpr double kUsualLead = 0.1;        // neither for nor against
 constexpr double kLeadCounts = 0.3;
 constexpr double kVague_px = 0.1;  // a place known worse than this by its grey values may be known better by contours
 constexpr double kAlike = 0.8;     // of the self-match at another turn
-constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
+constexpr std::size_t kSettledTurns = 16;  // known to teaching: more cost more than they tell
+constexpr double kExact_deg = 0.1;         // of the turns of a symmetry
+constexpr double kDoubtful = 0.4;          // below 1: the score from which the lead counts fully
 
 bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
 
@@ -136,7 +139,11 @@ void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
 void Selection::resolve_angle(Entry& e) {
   const Range allowed = options_.angle_deg.value_or(e.model->model->angle_deg);
   std::pmr::vector<Hypothesis> tries({e.h}, memory_);
-  for (double offset : e.model->model->learnt.ambiguous_deg) {
+  const Learnt& learnt = e.model->model->learnt;
+  // Of a gear of many teeth each turn of its symmetry is as good as the next, and the sweep knows the others.
+  const bool many = learnt.ambiguous_deg.size() > kSettledTurns;
+  const std::span<const double> offsets = learnt.ambiguous_deg;
+  for (const double offset : many ? offsets.first(0) : offsets) {
     Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
     if (angle_allowed(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
@@ -144,7 +151,7 @@ void Selection::resolve_angle(Entry& e) {
   }
   const bool allowed_here = angle_allowed(e.h.place.angle_rad * kDegPerRad, allowed);
   // A wrong turn of a part that looks much like itself when turned may agree as well as a sure result.
-  const bool alike = e.model->model->learnt.second_best_self_match >= kAlike;
+  const bool alike = learnt.second_best_self_match >= kAlike;
   if (!allowed_here || alike || e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
     for (const Hypothesis& h : settled_turns(e.h, *e.model, allowed, scene_, scratch_, budget_, memory_))
       if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
@@ -160,6 +167,13 @@ void Selection::resolve_angle(Entry& e) {
     if (std::abs(wrap_rad(t.place.angle_rad - e.h.place.angle_rad)) * kDegPerRad > kSameTurn_deg &&
         same_spot(t.place, e.h.place, e.model->side_px))
       note_ambiguity(e, (t.place.angle_rad - e.h.place.angle_rad) * kDegPerRad, t.score);
+  if (!many || learnt.symmetry_order < 2) return;
+  for (const double offset : offsets) {
+    const double angle_deg = e.h.place.angle_rad * kDegPerRad + offset;
+    if (std::abs(std::remainder(offset, 360.0 / learnt.symmetry_order)) < kExact_deg &&
+        angle_allowed(wrap_deg(angle_deg), allowed))
+      note_ambiguity(e, offset, e.h.score);
+  }
 }
 
 /// Whether the entry may still become a match: what is far below is not worth another look.

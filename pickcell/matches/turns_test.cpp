@@ -8,6 +8,8 @@
 #include "pickcell/matches/best_engine.hpp"
 #include "pickcell/matches/best_settings.hpp"
 #include "pickcell/matches/edge_fit.hpp"
+#include "pickcell/matches/known_parts.hpp"
+#include "pickcell/matches/teach.hpp"
 #include "pickcell/matches/test_scenes.hpp"
 
 namespace pickcell::matches {
@@ -96,6 +98,36 @@ TEST(Turns, ANarrowRangeHoldsTheTurnWithinIt) {
     ASSERT_TRUE(found && found->matches.size() == 1) << within_deg;
     EXPECT_LT(testing::turn_deg(found->matches[0].pose, truth), 0.2) << within_deg;
   }
+}
+
+/// Each turn of a gear of many teeth fits as well as the one found; all within the range are named.
+TEST(Turns, AGearOfManyTeethNamesItsTurns) {
+  const testing::KnownPart gear = testing::gear_part(24);
+  testing::Shot shot;
+  shot.radius_px = 44;
+  const testing::Photo taught = testing::photograph(gear, shot);
+  TeachInput input;
+  input.name = "gear";
+  input.picture = taught.picture.view();
+  const auto model = teach(input);
+  ASSERT_TRUE(model);
+  ASSERT_EQ(model->model.learnt.symmetry_order, 24);
+  const Model* const one[] = {&model->model};
+  shot.turn_deg = 4;
+  shot.off_x_px = 60;  // a picture with room around it
+  const testing::Photo scene = testing::photograph(gear, shot);
+  image::Pyramid pyramid;
+  pyramid.build(scene.picture.view());
+  BestEngine engine;
+  const auto found = engine.find(pyramid, one, {});
+  ASSERT_TRUE(found && found->matches.size() == 1);
+  EXPECT_EQ(found->matches[0].ambiguous_deg.size(), 23u);
+  SearchOptions narrow;
+  narrow.angle_deg = Range{-10, 10};
+  const auto within = engine.find(pyramid, one, narrow);
+  ASSERT_TRUE(within && within->matches.size() == 1);
+  EXPECT_LE(std::abs(within->matches[0].pose.angle_deg), 13);
+  EXPECT_EQ(within->matches[0].ambiguous_deg.size(), 1u);
 }
 
 /// What contours say of their own certainty, over 40 noisy poses: the mean normalised squared error of x, y and angle
