@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pickcell/matches/fourier.hpp"
+
 namespace pickcell::matches {
 
 namespace {

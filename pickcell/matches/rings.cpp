@@ -50,33 +50,6 @@ Rings::Sample sample(const PartPicture& part, float x, float y) {
 
 }  // namespace
 
-Fourier::Fourier(int size) : size_(size) {
-  const auto n = static_cast<std::size_t>(size);
-  roots_.resize(n / 2);
-  for (std::size_t i = 0; i < n / 2; ++i)
-    roots_[i] = std::complex<float>(std::polar(1.0, -2 * kPi * static_cast<double>(i) / size));
-  reversed_.resize(n);
-  for (std::size_t i = 1; i < n; ++i) reversed_[i] = reversed_[i / 2] / 2 + (i % 2 ? size / 2 : 0);
-}
-
-void Fourier::transform(std::complex<float>* values, bool inverse) const {
-  for (int i = 0; i < size_; ++i)
-    if (const int j = reversed_[static_cast<std::size_t>(i)]; i < j) std::swap(values[i], values[j]);
-  const float sign = inverse ? -1 : 1;
-  for (int half = 1; half < size_; half *= 2) {
-    const int step = size_ / (2 * half);
-    for (int start = 0; start < size_; start += 2 * half)
-      for (int k = 0; k < half; ++k) {
-        const std::complex<float> root = roots_[static_cast<std::size_t>(k * step)];
-        const float c = root.real(), s = sign * root.imag();
-        std::complex<float>&a = values[start + k], &b = values[start + k + half];
-        const float re = b.real() * c - b.imag() * s, im = b.real() * s + b.imag() * c;
-        b = {a.real() - re, a.imag() - im};
-        a = {a.real() + re, a.imag() + im};
-      }
-  }
-}
-
 Rings::Rings(const PartPicture& part, double centre_x, double centre_y, double radius)
     : rings_(std::max(1, static_cast<int>(std::ceil(radius)))), angles_(circle_samples(radius)), fourier_(angles_) {
   directions_.resize(static_cast<std::size_t>(angles_));

@@ -5,23 +5,10 @@
 #include <complex>
 #include <vector>
 
+#include "pickcell/matches/fourier.hpp"
 #include "pickcell/matches/part_picture.hpp"
 
 namespace pickcell::matches {
-
-/// Discrete Fourier transform of 2^n values, in place; the inverse is not divided by their number.
-class Fourier {
- public:
-  explicit Fourier(int size);
-  void forward(std::complex<float>* values) const { transform(values, false); }
-  void inverse(std::complex<float>* values) const { transform(values, true); }
-
- private:
-  void transform(std::complex<float>* values, bool inverse) const;
-  int size_;
-  std::vector<std::complex<float>> roots_;
-  std::vector<int> reversed_;
-};
 
 /// Samples on circles half a pixel, one and a half, ... from the centre, at most a pixel apart. Real part: grey,
 /// imaginary part: cover.
