@@ -11,13 +11,14 @@ namespace pickcell::matches {
 namespace {
 
 constexpr int kGreyPoints = 4096;
-constexpr int kRimPoints = 500;
+constexpr int kFewGreyPoints = 1024;
+constexpr int kRimPoints = 400;
 constexpr int kRim_px = 3;      // pixels, lens and interpolation mix part and ground so far from the outline
 constexpr int kOutside_px = 3;  // a mask may be so much too small ...
 constexpr int kExcess_px = 3;   // ... or too large, which its contours tell
 constexpr int kFewestGreyPoints = 40;
-constexpr int kRounds = 5;
-constexpr double kArrived_px = 0.03;
+constexpr int kRounds = 4;
+constexpr double kArrived_px = 0.15;  // of the rim: a step of that length ends within a few hundredths of it
 constexpr double kFurthest_px = 3;
 constexpr double kTaughtToo = 1.5;  // of the contours' variance: the taught ones are as uncertain, in part
 // What all contours may be off together, so that their scatter does not tell: rounding alone; and where grey values
@@ -37,10 +38,10 @@ Eigen::Matrix4d scene_from_template(const Similarity& s) {
   return K;
 }
 
-std::optional<Evidence> grey_evidence(image::ImageView picture, const GreyPoints& points, const Similarity& place,
+std::optional<Evidence> grey_evidence(image::ImageView picture, const FinalPoints& points, const Similarity& place,
                                       WeightedSamples& samples) {
-  if (!points.usable() || points.flat()) return {};
-  const FitQuality q = judge_fit(picture, points, {}, at_level(place, 0), samples);
+  if (points.inside.size() == 0) return {};
+  const FitQuality q = judge_fit(picture, points.inside, points.few, at_level(place, 0), samples);
   const Eigen::Matrix4d K = scene_from_template(place);
   const Eigen::FullPivLU<Eigen::Matrix4d> lu(K * q.covariance * K.transpose());
   if (!lu.isInvertible()) return {};
@@ -108,6 +109,7 @@ FinalPoints choose_final_points(const TemplatePyramid& t) {
   p.inside = choose_inner_grey_points(t, 0, kGreyPoints, rim_px);
   const bool grey = p.inside.size() >= kFewestGreyPoints && p.inside.usable() && !p.inside.flat();
   if (!grey) p.inside = {};
+  if (p.inside.size() >= 2 * kFewGreyPoints) p.few = choose_inner_grey_points(t, 0, kFewGreyPoints, rim_px);
   p.rim = choose_rim_points(t, kRimPoints, rim_px, kOutside_px, !grey);
   return p;
 }
@@ -118,7 +120,7 @@ std::optional<FinalFit> fit_finally(image::ImageView picture, const FinalPoints&
   fit.place = start;
   const double radius_px = static_cast<double>(points.rim.points.radius);
   for (int round = 0; round < kRounds; ++round) {
-    const auto grey = grey_evidence(picture, points.inside, fit.place, samples);
+    const auto grey = grey_evidence(picture, points, fit.place, samples);
     auto rim = contour_evidence(picture, points.rim, fit.place, contours);
     if (rim) rim = less_sure(*rim, grey ? kTogetherWithGrey_px : kTogether_px, radius_px);
     const auto both = joined(grey, rim);

@@ -17,6 +17,7 @@ namespace pickcell::matches {
 /// Of level 0; without a mask both are empty.
 struct FinalPoints {
   GreyPoints inside;
+  GreyPoints few;  ///< of them, for gain, offset and noise; empty where that saves nothing
   RimPoints rim;
 };
 [[nodiscard]] FinalPoints choose_final_points(const TemplatePyramid& t);
