@@ -17,7 +17,7 @@ struct BestModel {
   const Model* model = nullptr;
   Range scale{1, 1};
   TemplatePyramid pyramid;
-  std::vector<LevelModel> levels;         ///< 0 .. the coarsest level that refinement starts from
+  std::vector<LevelModel> levels;  ///< 0 .. the coarsest level that refinement starts from
   FinalPoints final_points;
   std::vector<CoarseTemplates> quick;     ///< per band of the scale range
   std::vector<CoarseTemplates> wide;      ///< built when first needed: empty before
