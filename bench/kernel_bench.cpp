@@ -110,8 +110,8 @@ class PointLoad {
   void sum_field() const {
     benchmark::DoNotOptimize(sum_edges(field_.view(), {x_.data(), y_.data(), t_.data(), j_.data(), kPoints}, kMap));
   }
-  void edges(bool smooth) {
-    find_edges(picture_.view(), {x_.data(), y_.data(), nx_.data(), ny_.data(), kPoints}, kMap, 2.5f, smooth,
+  void edges(EdgeReading reading) {
+    find_edges(picture_.view(), {x_.data(), y_.data(), nx_.data(), ny_.data(), kPoints}, kMap, 2.5f, reading,
                out_.data());
   }
   void field() {
@@ -166,8 +166,8 @@ std::vector<Work> highway_work() {
   return {
       {"sum_points", 2 * kPoints, reads, [=] { points->sum(); }},
       {"sum_edges", 2 * kPoints, reads, [=] { points->sum_field(); }},
-      {"find_edges", 2 * kSamples * kPoints, reads, [=] { points->edges(false); }},
-      {"find_edges_smooth", 6 * kSamples * kPoints, reads, [=] { points->edges(true); }},
+      {"find_edges", 2 * kSamples * kPoints, reads, [=] { points->edges(EdgeReading::plain); }},
+      {"find_edges_smooth", 6 * kSamples * kPoints, reads, [=] { points->edges(EdgeReading::smooth); }},
       {"sum_weighted", 33 * kPoints, steps, [=] { points->sum_weights(); }},
       {"orientation_field", 33.0 * kFieldPartWidth * kFieldPartHeight, steps, [=] { points->field(); }},
       {"mean_lists", paper->additions() / 2, steps, [=] { paper->means(); }},

@@ -58,6 +58,7 @@ BestModel prepare_model(const Model& model, Range scale, const BestSettings& set
   m.quick = build_coarse_bands(m.pyramid, settings.quick.detail, scale);
   const int coarsest = std::min(start_level(m.quick.back()), static_cast<int>(m.pyramid.levels.size()) - 1);
   for (int l = 0; l <= coarsest; ++l) m.levels.push_back(make_level(m.pyramid, l, coarsest));
+  m.final_points = choose_final_points(m.pyramid);
   m.side_px = std::sqrt(m.pyramid.area_px);
   m.ref_dx = model.ref_x_px - m.pyramid.anchor_x_px;
   m.ref_dy = model.ref_y_px - m.pyramid.anchor_y_px;

@@ -6,6 +6,7 @@
 
 #include "pickcell/matches/best_settings.hpp"
 #include "pickcell/matches/coarse_template.hpp"
+#include "pickcell/matches/final_fit.hpp"
 #include "pickcell/matches/refine.hpp"
 #include "pickcell/matches/rotated_rect.hpp"
 #include "pickcell/matches/template_pyramid.hpp"
@@ -16,7 +17,8 @@ struct BestModel {
   const Model* model = nullptr;
   Range scale{1, 1};
   TemplatePyramid pyramid;
-  std::vector<LevelModel> levels;         ///< 0 .. the coarsest level that refinement starts from
+  std::vector<LevelModel> levels;  ///< 0 .. the coarsest level that refinement starts from
+  FinalPoints final_points;
   std::vector<CoarseTemplates> quick;     ///< per band of the scale range
   std::vector<CoarseTemplates> wide;      ///< built when first needed: empty before
   std::vector<CoarseTemplates> thorough;  ///< the same

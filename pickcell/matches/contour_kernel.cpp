@@ -37,10 +37,17 @@ struct Profiles {
     }
   }
 
-  /// |derivative|, a little smoothed; about two grey values for one per pixel.
+  /// |derivative| from kArm samples to each side; about two grey values for one per pixel.
+  template <int kArm>
   HWY_INLINE VF slope(int i) const {
-    const VF wide = hn::Mul(hn::Set(DF(), 0.5f), hn::Sub(grey[i + 2], grey[i - 2]));
-    return hn::Abs(hn::Add(hn::Sub(grey[i + 1], grey[i - 1]), wide));
+    const DF d;
+    const auto step = [&](int k) HWY_ATTR { return hn::Sub(grey[i + k], grey[i - k]); };
+    if constexpr (kArm == 2) return hn::Abs(hn::MulAdd(hn::Set(d, 0.5f), step(2), step(1)));
+    // k exp(-(k step / 0.75 px)^2 / 2), as large as the other for a ramp.
+    VF v = hn::Mul(hn::Set(d, 0.796f), step(1));
+    v = hn::MulAdd(hn::Set(d, 0.818f), step(2), v);
+    v = hn::MulAdd(hn::Set(d, 0.404f), step(3), v);
+    return hn::Abs(hn::MulAdd(hn::Set(d, 0.114f), step(4), v));
   }
 };
 
@@ -75,11 +82,12 @@ struct Steepest {
   }
 };
 
-void find_edges_impl(image::ImageView picture, const ContourColumns& c, const LevelMap& m, float reach_px, bool smooth,
-                     float* distance) {
+template <int kArm>
+HWY_INLINE void find_steepest(image::ImageView picture, const ContourColumns& c, const LevelMap& m, float reach_px,
+                              bool smooth, float* distance) {
   const DF d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const int half = std::min(kMostSamples / 2, static_cast<int>(std::ceil(reach_px / kNormalStep_px)) + 3);
+  const int half = std::min(kMostSamples / 2, static_cast<int>(std::ceil(reach_px / kNormalStep_px)) + kArm + 1);
   const float scale = std::sqrt(m.a * m.a + m.b * m.b);
   const VF a = hn::Set(d, m.a), b = hn::Set(d, m.b), unit = hn::Set(d, 1 / scale);
   const float far = static_cast<float>(half + 1) * kNormalStep_px + (smooth ? 1.f : 0.f);
@@ -104,9 +112,9 @@ void find_edges_impl(image::ImageView picture, const ContourColumns& c, const Le
     profiles.read(picture, read_at, normal, half, smooth);
     Steepest best;
     best.clear();
-    VF s0 = profiles.slope(2), s1 = profiles.slope(3);
-    for (int k = 3; k + 3 < profiles.count; ++k) {
-      const VF s2 = profiles.slope(k + 1);
+    VF s0 = profiles.slope<kArm>(kArm), s1 = profiles.slope<kArm>(kArm + 1);
+    for (int k = kArm + 1; k + kArm + 1 < profiles.count; ++k) {
+      const VF s2 = profiles.slope<kArm>(k + 1);
       best.offer(s0, s1, s2, static_cast<float>(k - half) * kNormalStep_px, reach_px);
       s0 = s1;
       s1 = s2;
@@ -115,6 +123,14 @@ void find_edges_impl(image::ImageView picture, const ContourColumns& c, const Le
     const auto in_y = hn::And(hn::Ge(at.y, lo), hn::Le(at.y, hi_y));
     hn::StoreU(hn::IfThenElse(hn::And(in_x, in_y), best.distance(reach_px), hn::Set(d, kNoEdge)), d, distance + i);
   }
+}
+
+void find_edges_impl(image::ImageView picture, const ContourColumns& c, const LevelMap& m, float reach_px,
+                     EdgeReading reading, float* distance) {
+  if (reading == EdgeReading::exact)
+    find_steepest<4>(picture, c, m, reach_px, false, distance);
+  else
+    find_steepest<2>(picture, c, m, reach_px, reading == EdgeReading::smooth, distance);
 }
 
 int make_lines_impl(const ContourColumns& c, const LevelMap& m, const LineOutput& out) {
@@ -207,8 +223,8 @@ HWY_EXPORT(line_residuals_impl);
 HWY_EXPORT(weigh_lines_impl);
 
 void find_edges(image::ImageView picture, const ContourColumns& points, const LevelMap& map, float reach_px,
-                bool smooth, float* distance) {
-  HWY_DYNAMIC_DISPATCH(find_edges_impl)(picture, points, map, reach_px, smooth, distance);
+                EdgeReading reading, float* distance) {
+  HWY_DYNAMIC_DISPATCH(find_edges_impl)(picture, points, map, reach_px, reading, distance);
 }
 
 int make_lines(const ContourColumns& points, const LevelMap& map, const LineOutput& out) {

@@ -16,15 +16,19 @@ constexpr float kLeastSpread_px = 0.08f;
 constexpr float kBinsPerPixel = 64;    // residuals are at most some 3.5 pixels
 constexpr float kAtRest_px = 1.5f;     // how far a settled contour looks
 constexpr double kPointsPerSight = 2;  // neighbours see the same pixels: so many are one observation
-constexpr double kArrived_px = 0.02;   // of the rim: what a further iteration would change less than noise does
+constexpr double kRidge = 1.0005;
+constexpr double kFewestClusters = 8;
+constexpr double kAddedClusters = 10;
+constexpr double kLeastFollowed = 0.3;
+constexpr double kArrived_px = 0.02;  // of the rim: what a further iteration would change less than noise does
 
 /// Looks for edges from one place; the number found.
-int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, bool smooth,
+int observe(image::ImageView image, const ContourPoints& points, const LevelMap& m, float reach_px, EdgeReading reading,
             ContourScratch& s) {
   const std::size_t room = points.x.size();
   for (auto* column : {&s.distance, &s.found, &s.weight, &s.nx, &s.ny, &s.turn, &s.growth, &s.residual})
     column->resize(room);
-  find_edges(image, points.columns(), m, reach_px, smooth, s.distance.data());
+  find_edges(image, points.columns(), m, reach_px, reading, s.distance.data());
   const int n =
       make_lines(points.columns(), m,
                  {s.nx.data(), s.ny.data(), s.turn.data(), s.growth.data(), s.distance.data(), s.found.data()});
@@ -50,7 +54,7 @@ Eigen::Matrix4d normal_of(const LineColumns& lines, Movement& right) {
 std::optional<Movement> solve(const LineColumns& lines) {
   Movement right;
   Eigen::Matrix4d A = normal_of(lines, right);
-  A.diagonal() *= 1.0005;  // round contours do not know their angle
+  A.diagonal() *= kRidge;  // round contours do not know their angle
   const Eigen::LDLT<Eigen::Matrix4d, Eigen::Lower> ldlt(A);
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return {};
   const Movement m = ldlt.solve(right);
@@ -85,6 +89,36 @@ std::optional<Movement> solve_robust(const ContourPoints& points, ContourScratch
   }
 }
 
+/// What pulls at a fit that is at rest, cluster by cluster.
+struct Scores {
+  Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();  ///< sum of the clusters' scores squared
+  double clusters = 0;
+  double followed = 1;  ///< how much of a shift of all distances the weighted fit would follow: Tukey's weights fall
+};
+
+Scores scores_of(const RimPoints& rim, const Movement& rest, const ContourScratch& s) {
+  Scores out;
+  double weights = 0, follows = 0;
+  for (std::size_t c = 0; c + 1 < rim.cluster_begin.size(); ++c) {
+    Movement score = Movement::Zero();
+    const auto end = static_cast<std::size_t>(rim.cluster_begin[c + 1]);
+    for (auto i = static_cast<std::size_t>(rim.cluster_begin[c]); i < end; ++i) {
+      const double w = static_cast<double>(s.weight[i]);
+      const double near = std::sqrt(w);  // 1 - (residual / cut)^2
+      const Movement row(static_cast<double>(s.nx[i]), static_cast<double>(s.ny[i]), static_cast<double>(s.turn[i]),
+                         static_cast<double>(s.growth[i]));
+      score += w * (static_cast<double>(s.distance[i]) - row.dot(rest)) * row;
+      weights += w;
+      follows += near * (5 * near - 4);
+    }
+    if (score.isZero(0)) continue;
+    out.scatter += score * score.transpose();
+    out.clusters += 1;
+  }
+  if (weights > 0) out.followed = std::max(kLeastFollowed, follows / weights);
+  return out;
+}
+
 }  // namespace
 
 void need_under(LazyField& scene, const EdgePoints& e, const LevelMap& m) {
@@ -105,7 +139,8 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
   Similarity s = start;
   float reach = search.radius_px;
   for (int i = 0; i < search.iterations; ++i, reach *= 0.7f) {
-    const int seen = observe(image, points, at_level(s, level), std::max(1.5f, reach), i >= search.sharp, scratch);
+    const int seen = observe(image, points, at_level(s, level), std::max(1.5f, reach),
+                             i >= search.sharp ? EdgeReading::smooth : EdgeReading::plain, scratch);
     if (seen < kFewestObservations) return {};
     const auto m = solve_robust(points, scratch);
     if (!m) return {};
@@ -126,7 +161,8 @@ std::optional<Similarity> fit_contours(image::ImageView image, int level, const 
 
 std::optional<Eigen::Matrix4d> contour_covariance(image::ImageView picture, const ContourPoints& points,
                                                   const Similarity& place, ContourScratch& scratch) {
-  if (observe(picture, points, at_level(place, 0), kAtRest_px, false, scratch) < kFewestObservations) return {};
+  if (observe(picture, points, at_level(place, 0), kAtRest_px, EdgeReading::plain, scratch) < kFewestObservations)
+    return {};
   const auto rest = solve_robust(points, scratch);
   if (!rest) return {};
   const LineColumns lines = lines_of(points, scratch);
@@ -146,6 +182,35 @@ std::optional<Eigen::Matrix4d> contour_covariance(image::ImageView picture, cons
   const Eigen::Matrix4d covariance = lu.inverse() * (kPointsPerSight * square / (weight - 4));
   if (!covariance.allFinite() || (covariance.diagonal().array() <= 0).any()) return {};
   return covariance;
+}
+
+std::optional<Evidence> contour_evidence(image::ImageView picture, const RimPoints& rim, const Similarity& place,
+                                         ContourScratch& scratch) {
+  const ContourPoints& points = rim.points;
+  if (observe(picture, points, at_level(place, 0), kAtRest_px, EdgeReading::exact, scratch) < kFewestObservations)
+    return {};
+  const auto movement = solve_robust(points, scratch);
+  if (!movement) return {};
+  Movement unused;
+  const Eigen::Matrix4d normal = normal_of(lines_of(points, scratch), unused);
+  Eigen::Matrix4d ridged = normal;
+  ridged.diagonal() *= kRidge;
+  const Eigen::LDLT<Eigen::Matrix4d> ldlt(ridged);
+  const Scores scores = scores_of(rim, *movement, scratch);
+  if (scores.clusters < kFewestClusters || ldlt.info() != Eigen::Success || !ldlt.isPositive()) return {};
+  // Few clusters tell the scatter badly: some that scatter as much as they in the mean, alike in all directions, are
+  // added.
+  const Eigen::Matrix4d own = scores.scatter * (scores.clusters / (scores.clusters - 4));
+  const double spread = ldlt.solve(own).trace() / 4;
+  const Eigen::Matrix4d scatter =
+      (scores.clusters * own + kAddedClusters * spread * ridged) / (scores.clusters + kAddedClusters);
+  const Eigen::LDLT<Eigen::Matrix4d> of_scatter(scatter);
+  if (of_scatter.info() != Eigen::Success || !of_scatter.isPositive()) return {};
+  Evidence e;
+  e.movement = *movement;
+  e.information = normal * of_scatter.solve(normal) * (scores.followed * scores.followed);
+  if (!e.information.allFinite()) return {};
+  return e;
 }
 
 }  // namespace pickcell::matches

@@ -47,4 +47,16 @@ struct ContourSearch {
 [[nodiscard]] std::optional<Eigen::Matrix4d> contour_covariance(image::ImageView picture, const ContourPoints& points,
                                                                 const Similarity& place, ContourScratch& scratch);
 
+/// What one kind of observation says of a place.
+struct Evidence {
+  Eigen::Vector4d movement =
+      Eigen::Vector4d::Zero();  ///< to where it is rather: x, y (pixels of level 0), turn, growth
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();  ///< inverse of its covariance; may leave something open
+};
+
+/// What the contours at a part's rim say. Their scatter is taken cluster by cluster: what lies beside the part pulls at
+/// neighbours alike. Source: M-estimators with the sandwich covariance of clusters (Huber; Liang & Zeger).
+[[nodiscard]] std::optional<Evidence> contour_evidence(image::ImageView picture, const RimPoints& rim,
+                                                       const Similarity& place, ContourScratch& scratch);
+
 }  // namespace pickcell::matches

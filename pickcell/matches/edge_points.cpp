@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include "pickcell/matches/orientation_field.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 constexpr int kOutline_px = 2;
 constexpr float kLeastField = 0.35f;
 constexpr float kLeastGradient = 6.f;  // grey values per pixel
+constexpr int kCluster_px = 12;        // further than what a ground's texture does to neighbours alike
 
 /// Chooses about max_items: the strongest of each cell, with cells as large as needed.
 template <class Item, class Strength>
@@ -103,6 +105,47 @@ bool on_contour(image::ImageView p, int x, int y, Found& out) {
   return true;
 }
 
+std::vector<Found> found_contours(const TemplatePyramid& t, int level, int max_points, const ByteMask& wanted) {
+  const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
+  std::vector<Found> all;
+  for (int y = 1; y + 1 < wanted.height(); ++y)
+    for (int x = 1; x + 1 < wanted.width(); ++x) {
+      Found f{};
+      if (wanted.at(x, y) && on_contour(l.grey.view(), x, y, f)) all.push_back(f);
+    }
+  return strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
+                            [](const Found& p) { return p.strength; });
+}
+
+ContourPoints columns_of(const std::vector<Found>& all, const Anchor& anchor) {
+  ContourPoints out;
+  for (const Found& f : all) {
+    out.x.push_back(f.x - anchor.x);
+    out.y.push_back(f.y - anchor.y);
+    out.nx.push_back(f.nx);
+    out.ny.push_back(f.ny);
+    out.radius = std::max(out.radius, std::hypot(out.x.back(), out.y.back()));
+    ++out.count;
+  }
+  pad({&out.x, &out.y, &out.nx, &out.ny});
+  return out;
+}
+
+/// Points too near to the template's border for that stay where they are.
+void move_to_seen(image::ImageView picture, const Anchor& anchor, ContourPoints& p) {
+  constexpr float kReach_px = 1.5f;
+  constexpr int kRounds = 2;
+  std::vector<float> distance(p.x.size());
+  for (int round = 0; round < kRounds; ++round) {
+    find_edges(picture, p.columns(), {anchor.x, anchor.y, 1, 0}, kReach_px, EdgeReading::exact, distance.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(p.count); ++i) {
+      if (std::abs(distance[i]) > kReach_px) continue;
+      p.x[i] += p.nx[i] * distance[i];
+      p.y[i] += p.ny[i] * distance[i];
+    }
+  }
+}
+
 }  // namespace
 
 EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_points) {
@@ -147,26 +190,29 @@ EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_point
 }
 
 ContourPoints choose_contour_points(const TemplatePyramid& t, int level, int max_points) {
-  const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
-  const ByteMask wanted = dilate(mask_above(l.coverage, 0.5f), kOutline_px);
-  std::vector<Found> all;
-  for (int y = 1; y + 1 < wanted.height(); ++y)
-    for (int x = 1; x + 1 < wanted.width(); ++x) {
-      Found f{};
-      if (wanted.at(x, y) && on_contour(l.grey.view(), x, y, f)) all.push_back(f);
-    }
-  const Anchor anchor = anchor_at(t, level);
-  ContourPoints out;
-  for (const Found& f : strongest_per_cell(all, max_points, wanted.width(), wanted.height(),
-                                           [](const Found& p) { return p.strength; })) {
-    out.x.push_back(f.x - anchor.x);
-    out.y.push_back(f.y - anchor.y);
-    out.nx.push_back(f.nx);
-    out.ny.push_back(f.ny);
-    out.radius = std::max(out.radius, std::hypot(out.x.back(), out.y.back()));
-    ++out.count;
-  }
-  pad({&out.x, &out.y, &out.nx, &out.ny});
+  const ByteMask wanted = dilate(mask_above(t.levels[static_cast<std::size_t>(level)].coverage, 0.5f), kOutline_px);
+  return columns_of(found_contours(t, level, max_points, wanted), anchor_at(t, level));
+}
+
+RimPoints choose_rim_points(const TemplatePyramid& t, int max_points, int rim_px, int outside_px, bool inside_too) {
+  const ByteMask part = mask_above(t.levels.front().coverage, 0.5f);
+  ByteMask wanted = dilate(part, outside_px);
+  const ByteMask beyond = erode(part, rim_px);
+  if (!inside_too)
+    for (int y = 0; y < wanted.height(); ++y)
+      for (int x = 0; x < wanted.width(); ++x) wanted.at(x, y) &= static_cast<std::uint8_t>(1 - beyond.at(x, y));
+  std::vector<Found> all = found_contours(t, 0, max_points, wanted);
+  const auto cluster = [](const Found& f) {
+    return std::pair(static_cast<int>(f.y) / kCluster_px, static_cast<int>(f.x) / kCluster_px);
+  };
+  std::stable_sort(all.begin(), all.end(), [&](const Found& a, const Found& b) { return cluster(a) < cluster(b); });
+  const Anchor anchor = anchor_at(t, 0);
+  RimPoints out;
+  out.points = columns_of(all, anchor);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i == 0 || cluster(all[i]) != cluster(all[i - 1])) out.cluster_begin.push_back(static_cast<int>(i));
+  out.cluster_begin.push_back(out.points.count);
+  move_to_seen(t.levels.front().grey.view(), anchor, out.points);
   return out;
 }
 

@@ -38,4 +38,14 @@ struct ContourPoints {
 [[nodiscard]] EdgePoints choose_edge_points(const TemplatePyramid& t, int level, int max_points);
 [[nodiscard]] ContourPoints choose_contour_points(const TemplatePyramid& t, int level, int max_points);
 
+/// Contour points of level 0 at the rim of the mask, up to rim_px inside of it and outside_px outside, or also further
+/// inside; clusters of them lie together. Each lies where find_edges sees it in the template, so that a picture's
+/// contours, seen the same way, are off by as much.
+struct RimPoints {
+  ContourPoints points;
+  std::vector<int> cluster_begin;  ///< the points of cluster c are cluster_begin[c] .. cluster_begin[c + 1]
+};
+[[nodiscard]] RimPoints choose_rim_points(const TemplatePyramid& t, int max_points, int rim_px, int outside_px,
+                                          bool inside_too);
+
 }  // namespace pickcell::matches

@@ -41,11 +41,13 @@ FitQuality judge_fit(image::ImageView level, const GreyPoints& p, const GreyPoin
   q.visible = static_cast<double>(agree.points) / p.size();
   if (agree.points < kFewestPoints || s.gain <= kLeastGain) return q;
   q.noise = std::sqrt(agree.square / (agree.points - 6));
-  Vector6 unused;
-  const Eigen::FullPivLU<Matrix6> lu(weighted_normal(p, samples, unused));
+  Vector6 right;
+  const Eigen::FullPivLU<Matrix6> lu(weighted_normal(p, samples, right));
   if (!lu.isInvertible()) return q;
   // Samples of dense points share pixels: they are fewer independent values than points.
   const double shared = 1 + 1.25 / p.pixels_per_point;
+  const Vector6 best = lu.solve(right);
+  if (best[1] > kLeastGain) q.step = {best[2] / best[1], best[3] / best[1], best[4] / best[1], best[5] / best[1]};
   q.covariance = lu.inverse().bottomRightCorner<4, 4>() * (q.noise * q.noise * shared / (s.gain * s.gain));
   return q;
 }

@@ -14,6 +14,7 @@ struct FitQuality {
   double visible = 0;  ///< share of all points that are inside the picture and whose residual is small
   double noise = 0;    ///< standard deviation of the residuals of those points, grey values
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (dx, dy, turn, growth), pixels of the level
+  Increment step;                                        ///< to the place that those points want
 };
 
 /// few: of the same part; gain, offset and noise are taken from them, unless they are none.

@@ -25,9 +25,8 @@ ByteMask inner(const TemplatePyramid& t, const TemplateLevel& l) {
   return count(whole) >= kFewestPoints ? whole : mask_above(l.coverage, 0.4f);
 }
 
-std::vector<Point> all_points(const TemplatePyramid& t, int level) {
+std::vector<Point> points_of(const TemplatePyramid& t, int level, const ByteMask& wanted) {
   const TemplateLevel& l = t.levels[static_cast<std::size_t>(level)];
-  const ByteMask wanted = inner(t, l);
   const double k = std::ldexp(1.0, -level);
   const double ax = (t.anchor_x_px + 0.5) * k - 0.5;
   const double ay = (t.anchor_y_px + 0.5) * k - 0.5;
@@ -91,13 +90,9 @@ void set_normal_matrix(GreyPoints& g) {
   g.inverse = lu.isInvertible() ? Eigen::Matrix<double, 5, 5>(lu.inverse()) : Eigen::Matrix<double, 5, 5>::Zero();
 }
 
-}  // namespace
-
-GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_points) {
-  const std::vector<Point> all = all_points(t, level);
+GreyPoints chosen_of(const std::vector<Point>& all, int max_points) {
   std::vector<Point> chosen = thinned(all, max_points);
   GreyPoints g;
-  g.inverse.setZero();
   if (chosen.empty()) return g;
   g.pixels_per_point = static_cast<double>(all.size()) / static_cast<double>(chosen.size());
   const auto [x_lo, x_hi] =
@@ -125,6 +120,17 @@ GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_point
   const std::size_t padded = padded_to_blocks(chosen.size());
   for (auto* column : {&g.qx, &g.qy, &g.t, &g.j[0], &g.j[1], &g.j[2], &g.j[3]}) column->resize(padded, 0.f);
   return g;
+}
+
+}  // namespace
+
+GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_points) {
+  return chosen_of(points_of(t, level, inner(t, t.levels[static_cast<std::size_t>(level)])), max_points);
+}
+
+GreyPoints choose_inner_grey_points(const TemplatePyramid& t, int level, int max_points, int rim_px) {
+  const ByteMask whole = mask_above(t.levels[static_cast<std::size_t>(level)].coverage, 0.98f);
+  return chosen_of(points_of(t, level, erode(whole, rim_px)), max_points);
 }
 
 }  // namespace pickcell::matches

@@ -18,7 +18,8 @@ struct GreyPoints {
   std::vector<float> qx, qy;             ///< place relative to the anchor, pixels of the level
   std::vector<float> t;
   std::array<std::vector<float>, 4> j;
-  Eigen::Matrix<double, 5, 5> inverse;           ///< of the normal matrix of (t, j)
+  /// Of the normal matrix of (t, j).
+  Eigen::Matrix<double, 5, 5> inverse = Eigen::Matrix<double, 5, 5>::Zero();
   double energy = 0;                             ///< sum of t^2
   float radius = 1;                              ///< of the furthest point from the anchor, pixels of the level
   float x_lo = 0, x_hi = 0, y_lo = 0, y_hi = 0;  ///< box of (qx, qy)
@@ -41,5 +42,8 @@ struct GreyPoints {
 };
 
 [[nodiscard]] GreyPoints choose_grey_points(const TemplatePyramid& t, int level, int max_points);
+/// Only those at least this far inside the mask: whatever ground the part lies on, it does not shine through there.
+/// None where too few are left.
+[[nodiscard]] GreyPoints choose_inner_grey_points(const TemplatePyramid& t, int level, int max_points, int rim_px);
 
 }  // namespace pickcell::matches

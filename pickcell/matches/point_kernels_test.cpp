@@ -241,16 +241,16 @@ TEST(ContourKernel, FindsAnEdgeWhereItIs) {
   const double cy = kOffset * std::sin(kAngle) + 25 * std::cos(kAngle) - 1;
   const LevelMap map{static_cast<float>(cx), static_cast<float>(cy), static_cast<float>(std::cos(turn)),
                      static_cast<float>(std::sin(turn))};
-  for (const bool smooth : {false, true})
+  for (const EdgeReading reading : {EdgeReading::plain, EdgeReading::smooth, EdgeReading::exact})
     testing::on_every_target([&] {
       Column distance(x.size());
-      find_edges(picture.view(), {x.data(), y.data(), nx.data(), ny.data(), count}, map, 6, smooth, distance.data());
+      find_edges(picture.view(), {x.data(), y.data(), nx.data(), ny.data(), count}, map, 6, reading, distance.data());
       for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         const At at = mapped(map, x[i], y[i]);
         const double normal_x = map.b, normal_y = map.a;
         const double to_edge = (kOffset - at.x * std::cos(kAngle) - at.y * std::sin(kAngle)) /
                                (normal_x * std::cos(kAngle) + normal_y * std::sin(kAngle));
-        ASSERT_NEAR(distance[i], to_edge, 0.1) << i;
+        ASSERT_NEAR(distance[i], to_edge, reading == EdgeReading::exact ? 0.03 : 0.1) << i;
       }
     });
 }

@@ -322,6 +322,12 @@ void Selection::describe(const Entry& e, Match& m) {
       const Eigen::Matrix4d by_contours = moved_covariance(*c, e.h.place, e.model->ref_dx, e.model->ref_dy);
       if (grey_px_sq == 0 || by_contours.topLeftCorner<2, 2>().trace() < grey_px_sq) m.covariance = by_contours;
     }
+  if (const auto last = getenv("NOFIN") ? std::nullopt
+                                        : fit_finally(scene.grey, e.model->final_points, e.h.place, scratch_.grey,
+                                                      scratch_.contour)) {
+    m.pose = pose_of(last->place, e.model->ref_dx, e.model->ref_dy);
+    m.covariance = moved_covariance(last->covariance, last->place, e.model->ref_dx, e.model->ref_dy);
+  }
   m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());
 }
 

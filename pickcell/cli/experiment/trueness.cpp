@@ -13,9 +13,9 @@
 
 #include "pickcell/cli/experiment/blob_scene.hpp"
 #include "pickcell/cli/experiment/experiment.hpp"
+#include "pickcell/cli/experiment/pose_finder.hpp"
 #include "pickcell/core/file.hpp"
 #include "pickcell/core/json.hpp"
-#include "pickcell/matches/engine.hpp"
 
 namespace pickcell::cli {
 
@@ -25,34 +25,7 @@ constexpr int kWidth = 320, kHeight = 240, kSide = 90;
 constexpr double kNoise_grey = 4;
 constexpr int kExposures = 100;
 
-using Error = Eigen::Vector4d;  ///< x px, y px, angle degrees, scale
-
-/// One model searched for in many pictures.
-class Finder {
- public:
-  explicit Finder(matches::Model model) : model_(std::move(model)) {
-    engine_ = std::move(*matches::make_engine("best", {}));
-  }
-  /// Whether it was found; error and covariance then.
-  bool find(const image::Image& picture, const matches::Pose2d& truth, Error& error, Eigen::Matrix4d& covariance) {
-    pyramid_.build(picture.view());
-    matches::SearchOptions options;
-    options.min_score = 0;
-    const matches::Model* one[] = {&model_};
-    const auto found = engine_->find(pyramid_, one, options);
-    if (!found || found->matches.empty()) return false;
-    const matches::Match& m = found->matches.front();
-    error = {m.pose.x_px - truth.x_px, m.pose.y_px - truth.y_px,
-             std::remainder(m.pose.angle_deg - truth.angle_deg, 360.0), m.pose.scale - truth.scale};
-    covariance = m.covariance;
-    return std::hypot(error[0], error[1]) < 3;
-  }
-
- private:
-  matches::Model model_;
-  std::unique_ptr<matches::Engine> engine_;
-  image::Pyramid pyramid_;
-};
+using Error = PoseError;
 
 struct Spread {
   double bias = 0;
@@ -81,7 +54,7 @@ Spread spread_of(const std::vector<double>& errors, const std::vector<double>& p
 }
 
 /// 100 steps along one direction, without noise. which: 0 x, 1 y, 2 angle.
-Spread steps(const BlobScene& scene, Finder& finder, int which, std::mt19937_64& rng) {
+Spread steps(const BlobScene& scene, PoseFinder& finder, int which, std::mt19937_64& rng) {
   std::vector<double> errors, phase;
   int missed = 0;
   for (int i = 0; i < 100; ++i) {
@@ -104,7 +77,7 @@ struct Repeatability {
   Error sigma = Error::Zero(), stated = Error::Zero();
 };
 
-Repeatability repeat(const BlobScene& scene, Finder& finder, std::mt19937_64& rng) {
+Repeatability repeat(const BlobScene& scene, PoseFinder& finder, std::mt19937_64& rng) {
   const matches::Pose2d truth{kWidth / 2.0 + 0.37, kHeight / 2.0 - 0.21, 33.3, 0.97};
   const image::Plane<float> light = scene.draw(truth);
   Error sum = Error::Zero(), square = Error::Zero();
@@ -137,7 +110,7 @@ Consistency consistency(int poses, std::uint64_t seed) {
   Consistency c;
   for (int i = 0; i < poses;) {
     const BlobScene scene(60 + static_cast<int>(90 * unit(rng)), kWidth, kHeight, rng());
-    Finder finder(scene.model());
+    PoseFinder finder(scene.model());
     for (int k = 0; k < 20 && i < poses; ++k, ++i) {
       const matches::Pose2d truth{kWidth / 2.0 + 20 * unit(rng) - 10, kHeight / 2.0 + 20 * unit(rng) - 10,
                                   360 * unit(rng) - 180, 0.92 + 0.16 * unit(rng)};
@@ -181,7 +154,7 @@ std::string table(const std::array<Spread, 3>& s, const Repeatability& r, const 
 
 core::Result<int> run(const ExperimentOptions& options, Io& io) {
   const BlobScene scene(kSide, kWidth, kHeight, options.seed);
-  Finder finder(scene.model());
+  PoseFinder finder(scene.model());
   std::mt19937_64 rng(options.seed);
   const std::array<Spread, 3> s{steps(scene, finder, 0, rng), steps(scene, finder, 1, rng),
                                 steps(scene, finder, 2, rng)};
