@@ -54,6 +54,9 @@ struct Photo {
 /// 4 x 4 samples a pixel, then blur, then noise.
 [[nodiscard]] Photo photograph(const KnownPart& part, const Shot& shot);
 
+/// For messages of tests.
+[[nodiscard]] std::string words(const KnownPart& part, const Shot& shot);
+
 /// Whether what breaks the rotation is about 5 px wide or more, and more where it is blurred.
 [[nodiscard]] bool resolvable(const KnownPart& part, const Shot& shot);
 

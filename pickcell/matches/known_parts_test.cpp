@@ -245,6 +245,12 @@ KnownPart random_part(std::mt19937& random) {
   }
 }
 
+std::string words(const KnownPart& part, const Shot& shot) {
+  return part.name + ", radius " + std::to_string(shot.radius_px) + ", turned " + std::to_string(shot.turn_deg) +
+         ", noise " + std::to_string(shot.noise_grey) + ", blur " + std::to_string(shot.blur_px) + ", mask " +
+         std::to_string(static_cast<int>(shot.mask));
+}
+
 bool resolvable(const KnownPart& part, const Shot& shot) {
   return part.finest * shot.radius_px >= 5 + 2 * std::max(0.0, shot.blur_px - 0.5);
 }
