@@ -11,6 +11,7 @@
 namespace pickcell::matches {
 namespace {
 
+constexpr int kManyMore = 3;            // of several parts: as many candidates as for one, times this
 constexpr int kPerLocation = 5;         // of several parts: candidates for one of them
 constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at; where a part was found so
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
@@ -218,8 +219,9 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
   const std::vector<CoarseTemplates>& top = thorough ? model.thorough : model.wide;
   const PassSettings& pass = thorough ? settings_.thorough : settings_.wide;
   CoarseRequest how;
-  // No part pushes out another.
-  how.candidates = std::max(settings_.quick.candidates, pass.candidates) + kPerLocation * options.max_matches;
+  // No part pushes out another; and none stands out so much that a rich ground may not come before it.
+  how.candidates =
+      kManyMore * std::max(settings_.quick.candidates, pass.candidates) + kPerLocation * options.max_matches;
   how.per_location = kPerLocation;
   how.relative_limit = kRelativeLimit;
   Followed all(&arena_);
