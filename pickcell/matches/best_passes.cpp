@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pickcell/matches/best_engine.hpp"
+#include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/match_score.hpp"
 
 namespace pickcell::matches {
@@ -136,8 +137,10 @@ Acceptance BestEngine::acceptance() const {
 }
 
 bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOptions& options) const {
-  return options.max_matches == 1 && !f.found.empty() &&
-         acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
+  if (options.max_matches > 1 || f.found.empty()) return false;
+  const Similarity& place = f.found.front().place;
+  return angle_answers(place.angle_rad * kDegPerRad, options.angle_deg.value_or(model.model->angle_deg)) &&
+         scale_answers(place.scale, model.scale) && acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
 bool BestEngine::promising(const Followed& f, const BestModel& model) {
