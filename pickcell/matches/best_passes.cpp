@@ -97,9 +97,10 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
   for (const CoarseTemplates& templates : bands) {
     if (!all.empty() && budget.spent()) break;
     const double start_ms = thread_cpu_ms();
-    const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
+    const CoarseScene* const top = scene_.coarse(templates.factor, templates.reach, budget);
+    if (!top) break;
     all.push_back({&templates, std::pmr::vector<CoarseCandidate>(&arena_)});
-    coarse_.run(top, templates, request, budget, all.back().list);
+    coarse_.run(*top, templates, request, budget, all.back().list);
     StageReport report;
     report.stage = request.border ? "border" : "coarse";
     report.population = coarse_.peaks();
@@ -174,6 +175,7 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
       if (enough()) return all;
     }
   }
+  if (budget.spent()) return all;
   prepare_thorough(model);
   const auto first = static_cast<std::size_t>(settings_.thorough.candidates);
   how.candidates = settings_.thorough.candidates + settings_.last.candidates;
@@ -242,6 +244,7 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
       if (!more.empty()) merge(descend(more, model, *f.templates, pass, options, budget, result), model, all);
       if (budget.spent()) return all;
     }
+    if (budget.spent()) return all;
     const float weakest = weakest_candidate(all, options.min_score.value_or(model.model->learnt.suggested_min_score));
     if (weakest >= kNearLimit * how.relative_limit * best) break;
     how.relative_limit = kLower * weakest / best;

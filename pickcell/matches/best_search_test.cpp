@@ -104,6 +104,26 @@ TEST(BestSearch, ABudgetIsCountedInWork) {
   }
 }
 
+/// Too little for the coarse field, then for a candidate: nothing is found, and no more is done.
+TEST(BestSearch, ABudgetMayEndBeforeAnythingIsFound) {
+  const Tray tray;
+  long looks = 0;
+  for (const int most : {1, 20}) {
+    BestEngine engine({}, [&] { return static_cast<double>(++looks); });
+    for (const double budget : {0.5, 1.0, 3.0}) {
+      looks = 0;
+      SearchOptions options;
+      options.budget_ms = budget;
+      options.max_matches = most;
+      const auto found = engine.find(tray.pyramid, tray.models(), options);
+      ASSERT_TRUE(found);
+      EXPECT_FALSE(found->complete);
+      EXPECT_TRUE(found->matches.empty()) << budget;
+      EXPECT_LE(looks, 8) << budget;
+    }
+  }
+}
+
 /// Found while 70 % are in the picture; turned down because of the border below that, never for another reason. The
 /// answer is the same whether it is explained or not.
 TEST(BestSearch, PartsAtTheBorder) {
