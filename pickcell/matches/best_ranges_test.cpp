@@ -85,8 +85,8 @@ TEST(BestRanges, AnswersKeepToTheirRanges) {
   for (const Case& c :
        {Case{turns, sizes, 10.3, 1, {}}, Case{turns, sizes, -9.9, 1, {}},
         Case{turns, sizes, 11.5, 1, RejectReason::limit}, Case{turns, sizes, -12, 1, RejectReason::limit},
-        Case{all, sizes, 77, 1.053, {}}, Case{all, sizes, 77, 1.075, RejectReason::scale},
-        Case{all, sizes, 77, 0.93, RejectReason::scale}, Case{{0, 0}, same, 1.5, 1.01, {}},
+        Case{all, sizes, 77, 1.053, {}}, Case{all, sizes, 77, 1.095, RejectReason::scale},
+        Case{all, sizes, 77, 0.91, RejectReason::scale}, Case{{0, 0}, same, 1.5, 1.01, {}},
         Case{{0, 0}, same, -3.5, 1, RejectReason::limit}}) {
     for (const int most : {1, 5}) {
       image::Image picture = testing::draw_ground(320, 240, 5);

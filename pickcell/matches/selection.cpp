@@ -32,6 +32,7 @@ constexpr double kAlike = 0.8;     // of the self-match at another turn
 constexpr std::size_t kSettledTurns = 16;  // known to teaching: more cost more than they tell
 constexpr double kExact_deg = 0.1;         // of the turns of a symmetry
 constexpr double kWhole = 0.99;            // of the part in the picture
+constexpr double kMostGrowthHeld = 0.025;  // blur takes a scale further than noise a turn
 constexpr double kHeld = 0.01;     // of the score: less lost by moving a place into its ranges says it may lie there
 constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
@@ -188,7 +189,7 @@ void Selection::hold_in_ranges(Entry& e) {
   s.angle_rad = wrap_rad(nearest_angle(s.angle_rad * kDegPerRad, angles_of(e)) / kDegPerRad);
   const double turn_deg = std::abs(wrap_rad(s.angle_rad - e.h.place.angle_rad)) * kDegPerRad;
   const double growth = std::abs(e.h.place.scale / s.scale - 1);
-  if ((turn_deg == 0 && growth == 0) || turn_deg > kAngleTolerance_deg || growth > kScaleTolerance) return;
+  if ((turn_deg == 0 && growth == 0) || turn_deg > kAngleTolerance_deg || growth > kMostGrowthHeld) return;
   Hypothesis held = evaluate(scene_.level(0), e.model->levels[0], s, scratch_);
   if (held.score < e.h.score - kHeld) return;
   held.coarse = e.h.coarse;
