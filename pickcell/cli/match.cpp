@@ -16,6 +16,7 @@
 #include "pickcell/matches/engine.hpp"
 #include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/overlay.hpp"
+#include "pickcell/matches/work.hpp"
 
 namespace pickcell::cli {
 
@@ -129,8 +130,7 @@ class Run {
     const auto picture = image::load_grey(file);
     if (!picture) return tl::unexpected(picture.error());
     const auto start = std::chrono::steady_clock::now();
-    pyramid_.build(picture->view());
-    auto found = engine_->find(pyramid_, pointers_, search_);
+    auto found = search(picture->view());
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (!found) {
       found.error().what = file + ": " + found.error().what;
@@ -143,6 +143,19 @@ class Run {
       print_words(matched, options_.explain, io_.out);
     if (auto drawn = draw(file, picture->view(), *found); !drawn) return core::forward(drawn);
     return found->matches.size();
+  }
+
+  /// A budget is that of the picture: its pyramid counts.
+  core::Result<matches::FindResult> search(image::ImageView picture) {
+    const double start_ms = matches::thread_cpu_ms();
+    const auto left_ms = [&] { return *search_.budget_ms - (matches::thread_cpu_ms() - start_ms); };
+    matches::SearchOptions rest = search_;
+    const bool built = pyramid_.build_unless([&] { return search_.budget_ms && left_ms() <= 0; }, picture);
+    if (search_.budget_ms) rest.budget_ms = left_ms();
+    if (built && rest.budget_ms.value_or(1) > 0) return engine_->find(pyramid_, pointers_, rest);
+    matches::FindResult nothing;
+    nothing.complete = false;
+    return nothing;
   }
 
   core::Status draw(const std::string& file, image::ImageView picture, const matches::FindResult& found) {

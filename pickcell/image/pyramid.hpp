@@ -1,6 +1,7 @@
 #pragma once
 /// The picture at halved sizes, built once per frame for all models and engines.
 
+#include <functional>
 #include <vector>
 
 #include "pickcell/image/image.hpp"
@@ -13,6 +14,8 @@ class Pyramid {
  public:
   /// Levels until the shorter side would fall below min_side_px. Reuses memory when called again.
   void build(ImageView picture, int min_side_px = 8);
+  /// The same, and asks now and then whether to stop: then returns false, and there is no pyramid.
+  [[nodiscard]] bool build_unless(const std::function<bool()>& stop, ImageView picture, int min_side_px = 8);
   [[nodiscard]] int levels() const { return count_; }
   [[nodiscard]] ImageView level(int l) const { return planes_[static_cast<std::size_t>(l)].view(); }
 

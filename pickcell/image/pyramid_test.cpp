@@ -28,5 +28,20 @@ TEST(Pyramid, EveryPixelIsTheRoundedMeanOfFour) {
   }
 }
 
+TEST(Pyramid, StopsWhenAsked) {
+  Image picture(300, 500);
+  picture.fill(7);
+  Pyramid pyramid;
+  int asked = 0;
+  ASSERT_TRUE(pyramid.build_unless([&] { return ++asked < 0; }, picture.view()));
+  EXPECT_GT(asked, 500 / 64);
+  const int all = asked;
+  for (int last = 1; last <= all; ++last) {
+    asked = 0;
+    EXPECT_FALSE(pyramid.build_unless([&] { return ++asked == last; }, picture.view()));
+    EXPECT_EQ(asked, last);
+  }
+}
+
 }  // namespace
 }  // namespace pickcell::image

@@ -113,7 +113,7 @@ core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const 
   scratch_.resize(static_cast<std::size_t>(thread_count(options.threads)));
 
   const double start_ms = options.budget_ms ? cpu_ms_() : 0;
-  WorkBudget budget(searching_ms(options), cpu_ms_);
+  WorkBudget budget(searching_ms(options), cpu_ms_, options.budget_ms);
   result.stages.clear();
   arena_.reset();
   Selection selection(scene_, options, settings_, scratch_[0], budget, &arena_);

@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "pickcell/matches/best_engine.hpp"
+#include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/match_score.hpp"
 
 namespace pickcell::matches {
 namespace {
 
+constexpr int kManyMore = 3;            // of several parts: as many candidates as for one, times this
 constexpr int kPerLocation = 5;         // of several parts: candidates for one of them
 constexpr float kRelativeLimit = 0.4f;  // and how far below the best they are looked at; where a part was found so
 constexpr float kNearLimit = 1.2f;      // near to that limit, others may lie below it: then the limit goes down to
@@ -95,9 +97,10 @@ std::pmr::vector<BestEngine::Found> BestEngine::candidates(const BestModel& mode
   for (const CoarseTemplates& templates : bands) {
     if (!all.empty() && budget.spent()) break;
     const double start_ms = thread_cpu_ms();
-    const CoarseScene& top = scene_.coarse(templates.factor, templates.reach);
+    const CoarseScene* const top = scene_.coarse(templates.factor, templates.reach, budget);
+    if (!top) break;
     all.push_back({&templates, std::pmr::vector<CoarseCandidate>(&arena_)});
-    coarse_.run(top, templates, request, budget, all.back().list);
+    coarse_.run(*top, templates, request, budget, all.back().list);
     StageReport report;
     report.stage = request.border ? "border" : "coarse";
     report.population = coarse_.peaks();
@@ -135,8 +138,10 @@ Acceptance BestEngine::acceptance() const {
 }
 
 bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOptions& options) const {
-  return options.max_matches == 1 && !f.found.empty() &&
-         acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
+  if (options.max_matches > 1 || f.found.empty()) return false;
+  const Similarity& place = f.found.front().place;
+  return angle_answers(place.angle_rad * kDegPerRad, options.angle_deg.value_or(model.model->angle_deg)) &&
+         scale_answers(place.scale, model.scale) && acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
 bool BestEngine::promising(const Followed& f, const BestModel& model) {
@@ -170,6 +175,7 @@ Followed BestEngine::search(BestModel& model, const SearchOptions& options, Work
       if (enough()) return all;
     }
   }
+  if (budget.spent()) return all;
   prepare_thorough(model);
   const auto first = static_cast<std::size_t>(settings_.thorough.candidates);
   how.candidates = settings_.thorough.candidates + settings_.last.candidates;
@@ -218,8 +224,9 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
   const std::vector<CoarseTemplates>& top = thorough ? model.thorough : model.wide;
   const PassSettings& pass = thorough ? settings_.thorough : settings_.wide;
   CoarseRequest how;
-  // No part pushes out another.
-  how.candidates = std::max(settings_.quick.candidates, pass.candidates) + kPerLocation * options.max_matches;
+  // No part pushes out another; and none stands out so much that a rich ground may not come before it.
+  how.candidates =
+      kManyMore * std::max(settings_.quick.candidates, pass.candidates) + kPerLocation * options.max_matches;
   how.per_location = kPerLocation;
   how.relative_limit = kRelativeLimit;
   Followed all(&arena_);
@@ -237,6 +244,7 @@ Followed BestEngine::search_several(BestModel& model, const SearchOptions& optio
       if (!more.empty()) merge(descend(more, model, *f.templates, pass, options, budget, result), model, all);
       if (budget.spent()) return all;
     }
+    if (budget.spent()) return all;
     const float weakest = weakest_candidate(all, options.min_score.value_or(model.model->learnt.suggested_min_score));
     if (weakest >= kNearLimit * how.relative_limit * best) break;
     how.relative_limit = kLower * weakest / best;

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "pickcell/matches/best_engine.hpp"
+#include "pickcell/matches/limits.hpp"
 #include "pickcell/matches/test_scenes.hpp"
 
 namespace pickcell::matches {
@@ -66,6 +68,62 @@ TEST(BestRanges, AnglesInsideTheRangeOnly) {
     const FindResult found = find(picture, one, options);
     EXPECT_EQ(found.matches.size(), c.inside ? 1u : 0u) << c.range.lo << " to " << c.range.hi << ": " << c.angle_deg;
   }
+}
+
+/// A little beyond a range is within what is documented; more is turned down, and says why. A range of one value allows
+/// for tilt.
+TEST(BestRanges, AnswersKeepToTheirRanges) {
+  const Texture texture(70, 54, 2);
+  const Model model = testing::texture_model(texture, 70, 54);
+  const Model* one[] = {&model};
+  struct Case {
+    Range angle, scale;
+    double angle_deg, true_scale;
+    std::optional<RejectReason> reason;
+  };
+  const Range turns{-10, 10}, all{-180, 180}, sizes{0.95, 1.05}, same{1, 1};
+  for (const Case& c :
+       {Case{turns, sizes, 10.3, 1, {}}, Case{turns, sizes, -9.9, 1, {}},
+        Case{turns, sizes, 11.5, 1, RejectReason::limit}, Case{turns, sizes, -12, 1, RejectReason::limit},
+        Case{all, sizes, 77, 1.053, {}}, Case{all, sizes, 77, 1.095, RejectReason::scale},
+        Case{all, sizes, 77, 0.91, RejectReason::scale}, Case{{0, 0}, same, 1.5, 1.01, {}},
+        Case{{0, 0}, same, -3.5, 1, RejectReason::limit}}) {
+    for (const int most : {1, 5}) {
+      image::Image picture = testing::draw_ground(320, 240, 5);
+      testing::draw_part(picture, texture, model, {150, 110, c.angle_deg, c.true_scale});
+      testing::add_noise(picture, 3, 2);
+      SearchOptions options;
+      options.angle_deg = c.angle;
+      options.scale = c.scale;
+      options.min_score = 0.6;
+      options.max_matches = most;
+      options.explain = true;
+      const FindResult found = find(picture, one, options);
+      const auto said = [&] {
+        return ::testing::Message() << c.angle_deg << " degrees, " << c.true_scale << ", of " << most;
+      };
+      EXPECT_EQ(found.matches.size(), c.reason ? 0u : 1u) << said();
+      for (const Match& m : found.matches) EXPECT_LT(testing::distance_px(m.pose, {150, 110, 0, 1}), 0.3) << said();
+      if (!c.reason) continue;
+      EXPECT_TRUE(std::any_of(found.rejected.begin(), found.rejected.end(), [&](const Rejected& r) {
+        return r.reason == *c.reason && r.stage == Stage::final &&
+               testing::distance_px(r.match.pose, {150, 110, 0, 1}) < 1;
+      })) << said();
+    }
+  }
+}
+
+TEST(BestRanges, TheNearestAnswerOfARange) {
+  EXPECT_EQ(nearest_angle(3, {-10, 10}), 3);
+  EXPECT_EQ(nearest_angle(12, {-10, 10}), 10.5);
+  EXPECT_EQ(nearest_angle(-175, {160, 180}), 180.5);
+  EXPECT_EQ(nearest_angle(-150, {-1, 1}), -1.5);
+  EXPECT_EQ(nearest_angle(-150, {0, 0}), -2);
+  EXPECT_EQ(nearest_angle(123, {-180, 180}), 123);
+  EXPECT_DOUBLE_EQ(nearest_scale(1.2, {0.9, 1.1}), 1.1 * 1.005);
+  EXPECT_DOUBLE_EQ(nearest_scale(0.9, {1, 1}), 0.98);
+  EXPECT_TRUE(scale_answers(nearest_scale(2, {0.9, 1.1}), {0.9, 1.1}));
+  EXPECT_TRUE(angle_answers(nearest_angle(99, {-10, 10}), {-10, 10}));
 }
 
 TEST(BestRanges, TemplatesOf20Pixels) {

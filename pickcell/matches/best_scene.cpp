@@ -21,16 +21,17 @@ SceneLevel BestScene::level(int l) {
   return {pyramid_->level(l), fields_[i].get(), l};
 }
 
-const CoarseScene& BestScene::coarse(double factor, int margin) {
+const CoarseScene* BestScene::coarse(double factor, int margin, WorkBudget& budget) {
   std::size_t i = 0;
   while (i < coarse_used_ && coarse_[i]->factor != factor) ++i;
-  if (i < coarse_used_ && coarse_[i]->margin >= margin) return *coarse_[i];
+  if (i < coarse_used_ && coarse_[i]->margin >= margin) return coarse_[i].get();
   if (i == coarse_used_) {
     if (i == coarse_.size()) coarse_.push_back(std::make_unique<CoarseScene>());
     ++coarse_used_;
   }
-  build_coarse_scene(*pyramid_, factor, margin, *coarse_[i]);
-  return *coarse_[i];
+  if (build_coarse_scene(*pyramid_, factor, margin, budget, *coarse_[i])) return coarse_[i].get();
+  coarse_[i]->factor = 0;  // half a field is none
+  return nullptr;
 }
 
 }  // namespace pickcell::matches

@@ -22,8 +22,9 @@ class BestScene {
 
   /// Its orientation field is computed where it is looked at.
   [[nodiscard]] SceneLevel level(int l);
-  /// The top level for a factor, with at least this margin; computed when first asked for.
-  [[nodiscard]] const CoarseScene& coarse(double factor, int margin);
+  /// The top level for a factor, with at least this margin; computed when first asked for. Null: the budget was spent
+  /// before it was done.
+  [[nodiscard]] const CoarseScene* coarse(double factor, int margin, WorkBudget& budget);
 
  private:
   const image::Pyramid* pyramid_ = nullptr;

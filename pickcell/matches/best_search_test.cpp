@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "pickcell/matches/best_engine.hpp"
@@ -103,6 +104,26 @@ TEST(BestSearch, ABudgetIsCountedInWork) {
   }
 }
 
+/// Too little for the coarse field, then for a candidate: nothing is found, and no more is done.
+TEST(BestSearch, ABudgetMayEndBeforeAnythingIsFound) {
+  const Tray tray;
+  long looks = 0;
+  for (const int most : {1, 20}) {
+    BestEngine engine({}, [&] { return static_cast<double>(++looks); });
+    for (const double budget : {0.5, 1.0, 3.0}) {
+      looks = 0;
+      SearchOptions options;
+      options.budget_ms = budget;
+      options.max_matches = most;
+      const auto found = engine.find(tray.pyramid, tray.models(), options);
+      ASSERT_TRUE(found);
+      EXPECT_FALSE(found->complete);
+      EXPECT_TRUE(found->matches.empty()) << budget;
+      EXPECT_LE(looks, 8) << budget;
+    }
+  }
+}
+
 /// Found while 70 % are in the picture; turned down because of the border below that, never for another reason. The
 /// answer is the same whether it is explained or not.
 TEST(BestSearch, PartsAtTheBorder) {
@@ -138,6 +159,67 @@ TEST(BestSearch, PartsAtTheBorder) {
       }
     }
   }
+}
+
+/// The share of a part's rectangle that lies in the picture.
+double share_inside(int part_width, int part_height, const Pose2d& pose, const image::Image& picture) {
+  const double c = pose.scale * std::cos(pose.angle_deg / kDegPerRad);
+  const double s = pose.scale * std::sin(pose.angle_deg / kDegPerRad);
+  int inside = 0;
+  for (int i = 0; i < 50; ++i)
+    for (int j = 0; j < 50; ++j) {
+      const double u = ((i + 0.5) / 50 - 0.5) * part_width, v = ((j + 0.5) / 50 - 0.5) * part_height;
+      const double x = pose.x_px + c * u + s * v, y = pose.y_px - s * u + c * v;
+      inside += x > -0.5 && y > -0.5 && x < picture.width() - 0.5 && y < picture.height() - 0.5 ? 1 : 0;
+    }
+  return inside / 2500.0;
+}
+
+/// Pushed out of the picture at any turn, in any direction, until 71 to 89 % are left: found, or turned down because of
+/// the border, in a search for one and for several.
+TEST(BestSearch, PartsThatTheBorderCuts) {
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<double> of_one(0, 1);
+  int found = 0, named = 0, all = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const int width = 34 + 2 * static_cast<int>(seed), height = 46;
+    const Texture texture(width, height, seed);
+    Model model = testing::texture_model(texture, width, height);
+    model.learnt.suggested_min_score = 0.65;
+    const Model* one[] = {&model};
+    image::Image picture = testing::draw_ground(480, 360, seed + 70);
+    const double least = 0.71 + 0.18 * of_one(rng), way = 2 * std::numbers::pi * of_one(rng);
+    Pose2d truth{240, 180, 360 * of_one(rng) - 180, 0.92 + 0.16 * of_one(rng)};
+    while (share_inside(width, height, truth, picture) > least) {
+      truth.x_px += 0.25 * std::cos(way);
+      truth.y_px += 0.25 * std::sin(way);
+    }
+    testing::draw_part(picture, texture, model, truth);
+    testing::add_noise(picture, 4, seed);
+    image::Pyramid pyramid;
+    pyramid.build(picture.view());
+    for (const int most : {1, 8}) {
+      SearchOptions options;
+      options.max_matches = most;
+      options.explain = true;
+      BestEngine engine;
+      const auto result = engine.find(pyramid, one, options);
+      ASSERT_TRUE(result);
+      const auto there = [&](const Match& m) {
+        return testing::distance_px(m.pose, truth) < 1 && testing::turn_deg(m.pose, truth) < 2;
+      };
+      const bool match = std::any_of(result->matches.begin(), result->matches.end(), there);
+      found += match ? 1 : 0;
+      named +=
+          !match && std::any_of(result->rejected.begin(), result->rejected.end(),
+                                [&](const Rejected& r) { return r.reason == RejectReason::border && there(r.match); })
+              ? 1
+              : 0;
+      ++all;
+    }
+  }
+  EXPECT_GE(found + named, all - 1) << found << " found, " << named << " named";
+  EXPECT_GE(found, all - 4);
 }
 
 /// Judged anew where the match says it is, every match has the score it states.

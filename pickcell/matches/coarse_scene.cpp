@@ -11,6 +11,8 @@ namespace {
 
 using Share = CoarseScene::Share;
 
+constexpr int kLookEach = 8;  // rows of cells between two looks at the clock
+
 void share_out(int source, double ratio, int n, std::vector<Share>& out) {
   out.clear();
   for (int i = 0; i < n; ++i) {
@@ -62,7 +64,7 @@ void store_row(Sums& sums, const std::vector<Share>& columns, float per_area, st
 
 int field_level(double factor) { return std::max(0, std::ilogb(factor) - 1); }
 
-void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, CoarseScene& out) {
+bool build_coarse_scene(const image::Pyramid& scene, double factor, int margin, WorkBudget& budget, CoarseScene& out) {
   const int level = std::min(field_level(factor), scene.levels() - 1);
   const image::ImageView source = scene.level(level);
   const double ratio = std::ldexp(factor, -level);
@@ -78,10 +80,12 @@ void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, 
   share_out(source.height(), ratio, out.height, out.rows);
   Sums sums(out.sums, source.width());
   for (int y = 0; y < out.height; ++y) {
+    if (y % kLookEach == 0 && budget.spent()) return false;
     const Share& c = out.rows[static_cast<std::size_t>(y)];
     sum_tensors(source, {c.first, c.last, c.first_share, c.last_share}, sums.row());
     store_row(sums, out.columns, static_cast<float>(1 / (ratio * ratio)), out.cells.row(y + margin) + margin);
   }
+  return true;
 }
 
 }  // namespace pickcell::matches

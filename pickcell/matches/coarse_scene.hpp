@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pickcell/image/pyramid.hpp"
+#include "pickcell/matches/work.hpp"
 
 namespace pickcell::matches {
 
@@ -36,6 +37,8 @@ struct CoarseScene {
 [[nodiscard]] int field_level(double factor);
 
 /// v = mean(c2, s2) / (mean energy + kEdgeGrey^2) over each cell. margin: how far outside a position's taps may reach.
-void build_coarse_scene(const image::Pyramid& scene, double factor, int margin, CoarseScene& out);
+/// False when the budget was spent before the end: then there is no field.
+[[nodiscard]] bool build_coarse_scene(const image::Pyramid& scene, double factor, int margin, WorkBudget& budget,
+                                      CoarseScene& out);
 
 }  // namespace pickcell::matches

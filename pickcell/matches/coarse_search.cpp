@@ -11,7 +11,8 @@ namespace pickcell::matches {
 namespace {
 
 constexpr float kNothing = -1.f;
-constexpr int kLookEach = 32;  // peaks between two looks at the clock
+constexpr float kLeastShare = 0.5f;  // of a part in the picture: what of less agrees says little
+constexpr int kLookEach = 32;        // peaks between two looks at the clock
 
 double angle_deg_of(const CoarseTemplates& t, int k) { return 360.0 * k / t.angles; }
 
@@ -35,7 +36,24 @@ FourTemplates templates_of(const CoarseTile& tile, const std::vector<std::int32_
           {tile.norm[0], tile.norm[1], tile.norm[2], tile.norm[3]}};
 }
 
+/// For each position along one axis: one over the share of the weight that is in the picture.
+void set_gain(const std::vector<float>& before, int reach, int cells, std::vector<float>& gain) {
+  gain.assign(static_cast<std::size_t>(cells), 1.f);
+  const auto share_before = [&](int cell) {
+    return before[static_cast<std::size_t>(std::clamp(cell + reach, 0, 2 * reach + 1))];
+  };
+  for (int i = 0; i < cells; ++i) {
+    if (i == reach && cells - reach > i) i = cells - reach;  // between, everything is inside
+    gain[static_cast<std::size_t>(i)] = 1 / std::max(kLeastShare, share_before(cells - i) - share_before(-i));
+  }
+}
+
 }  // namespace
+
+float CoarseSearch::made_up(const Map& map, int x, int y, float score) {
+  const float gain = map.column_gain[static_cast<std::size_t>(x)] * map.row_gain[static_cast<std::size_t>(y)];
+  return score * std::min(gain, 1 / kLeastShare);
+}
 
 CoarseSearch::Span CoarseSearch::positions(int cells, int low, int high, double factor, const double* box_lo,
                                            const double* box_hi) {
@@ -61,6 +79,8 @@ void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplate
   const Span xs = request.border ? columns(tile.named) : map.columns;
   const Span ys = request.border ? rows(tile.named) : map.rows;
   set_offsets(tile, scene, map.offsets);
+  set_gain(tile.left_of, t.reach, scene.width, map.column_gain);
+  set_gain(tile.above, t.reach, scene.height, map.row_gain);
   const FourTemplates four = templates_of(tile, map.offsets);
   if (ys.lo < ys.hi && xs.lo < xs.hi)
     best_of_four({scene.at(xs.lo, ys.lo), scene.stride(), xs.hi - xs.lo, ys.hi - ys.lo}, four,
@@ -73,6 +93,11 @@ void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplate
     }
     std::fill(row, row + xs.lo, kNothing);
     std::fill(row + xs.hi, row + scene.width, kNothing);
+    const bool whole_row = y >= t.reach && y < scene.height - t.reach;
+    for (int x = xs.lo; x < xs.hi; ++x) {
+      if (whole_row && x == t.reach && scene.width - t.reach > x) x = std::min(xs.hi, scene.width - t.reach);
+      if (x < xs.hi) row[x] = made_up(map, x, y, row[x]);
+    }
     map.row_best[static_cast<std::size_t>(y)] = *std::max_element(row + xs.lo, row + xs.hi);
   }
 }
@@ -163,7 +188,7 @@ void CoarseSearch::run(const CoarseScene& scene, const CoarseTemplates& t, const
     out.push_back({{(p.x + 0.5) * t.factor - 0.5, (p.y + 0.5) * t.factor - 0.5,
                     wrap_rad(2 * std::numbers::pi * (tile.first_angle + which) / t.angles),
                     t.scales[static_cast<std::size_t>(tile.scale_index)]},
-                   four[which]});
+                   made_up(maps_[static_cast<std::size_t>(p.tile)], p.x, p.y, four[which])});
   }
 }
 

@@ -53,7 +53,8 @@ class CoarseSearch {
     image::Plane<float> score;
     std::vector<float> row_best;
     std::vector<std::int32_t> offsets;
-    Span columns, rows;  ///< positions that show enough for a match
+    Span columns, rows;                        ///< positions that show enough for a match
+    std::vector<float> column_gain, row_gain;  ///< what makes up for the share that lies outside the picture
   };
   struct Peak {
     float score;
@@ -61,6 +62,8 @@ class CoarseSearch {
   };
   /// Positions along one axis from which enough of the template is in the picture, and inside the box.
   static Span positions(int cells, int low, int high, double factor, const double* box_lo, const double* box_hi);
+  /// The score there as if what lies outside agreed as well as what is inside.
+  static float made_up(const Map& map, int x, int y, float score);
   void fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
             const CoarseRequest& request);
   void find_local_maxima(const CoarseTemplates& t, float limit, bool border);

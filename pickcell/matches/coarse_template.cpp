@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "pickcell/matches/coarse_scene.hpp"
 #include "pickcell/matches/orientation_field.hpp"
@@ -55,9 +56,9 @@ struct Grid {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(side) * static_cast<std::size_t>(side); }
 };
 
-/// Byte weights of one template, two per cell.
+/// Byte weights of one template, two per cell. Adds the samples of each cell to area.
 std::vector<std::int16_t> turned(const std::vector<Sample>& samples, double angle_rad, double cells_per_px,
-                                 float sample_area, int reach) {
+                                 float sample_area, int reach, std::vector<float>& area) {
   Grid g(reach);
   const auto a = static_cast<float>(cells_per_px * std::cos(angle_rad));
   const auto b = static_cast<float>(cells_per_px * std::sin(angle_rad));
@@ -69,6 +70,7 @@ std::vector<std::int16_t> turned(const std::vector<Sample>& samples, double angl
     g.c2[i] += s.c2;
     g.s2[i] += s.s2;
     g.energy[i] += s.energy;
+    area[i] += 1;
   }
   const auto ca = static_cast<float>(std::cos(2 * angle_rad));
   const auto sa = static_cast<float>(std::sin(2 * angle_rad));
@@ -106,23 +108,53 @@ float magnitude_at(const FourPlanes& planes, std::size_t i) {
   return m;
 }
 
-void set_sides(CoarseTile& tile, const FourPlanes& planes, int reach, double min_visible) {
+/// How far positions may lie outside so that a share of something on the grid of cells is still in the picture: along
+/// each axis by itself, since what a corner cuts off is more.
+CoarseTile::Sides sides_of(const std::vector<float>& on_cell, int reach, double share) {
   const int side = 2 * reach + 1;
   std::vector<int> xs, ys;
-  std::vector<float> magnitude;
+  std::vector<float> weights;
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x)
-      if (const float m = magnitude_at(planes, static_cast<std::size_t>(y * side + x)); m > 0) {
+      if (const float w = on_cell[static_cast<std::size_t>(y * side + x)]; w > 0) {
         xs.push_back(x - reach);
         ys.push_back(y - reach);
-        magnitude.push_back(m);
+        weights.push_back(w);
       }
+  return {weighted_quantile(xs, weights, 1 - share), weighted_quantile(xs, weights, share),
+          weighted_quantile(ys, weights, 1 - share), weighted_quantile(ys, weights, share)};
+}
+
+/// What is asked for is a share of the area; a part whose edges all lie in its other half is looked for there, too.
+void set_sides(CoarseTile& tile, const FourPlanes& planes, const std::vector<float>& area, int reach,
+               double min_visible) {
+  std::vector<float> edges(area.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = magnitude_at(planes, i);
   const auto sides = [&](double share) {
-    return CoarseTile::Sides{weighted_quantile(xs, magnitude, 1 - share), weighted_quantile(xs, magnitude, share),
-                             weighted_quantile(ys, magnitude, 1 - share), weighted_quantile(ys, magnitude, share)};
+    const CoarseTile::Sides a = sides_of(area, reach, share), e = sides_of(edges, reach, share);
+    return CoarseTile::Sides{std::max(a.left, e.left), std::min(a.right, e.right), std::max(a.top, e.top),
+                             std::min(a.bottom, e.bottom)};
   };
   tile.found = sides(min_visible);
   tile.named = sides(std::min(kNamedShare, min_visible));
+}
+
+/// tile.left_of, tile.above.
+void set_shares(CoarseTile& tile, const FourPlanes& planes, int reach) {
+  const int side = 2 * reach + 1;
+  tile.left_of.assign(static_cast<std::size_t>(side) + 1, 0);
+  tile.above.assign(static_cast<std::size_t>(side) + 1, 0);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const float m = magnitude_at(planes, static_cast<std::size_t>(y * side + x));
+      tile.left_of[static_cast<std::size_t>(x) + 1] += m;
+      tile.above[static_cast<std::size_t>(y) + 1] += m;
+    }
+  for (std::vector<float>* sums : {&tile.left_of, &tile.above}) {
+    std::partial_sum(sums->begin(), sums->end(), sums->begin());
+    if (const float all = sums->back(); all > 0)
+      for (float& v : *sums) v /= all;
+  }
 }
 
 /// Walks each row from the left: a cell with weight and its right neighbour make a tap.
@@ -185,13 +217,16 @@ CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& 
     const double sample_side = std::ldexp(cells_per_px, level) / per_side;
     for (int a0 = 0; a0 < out.angles; a0 += 4) {
       std::vector<std::int16_t> planes[4];
+      std::vector<float> area((2 * static_cast<std::size_t>(out.reach) + 1) *
+                              (2 * static_cast<std::size_t>(out.reach) + 1));
       for (int a = 0; a < 4; ++a)
         planes[a] = turned(samples, 2 * std::numbers::pi * (a0 + a) / out.angles, cells_per_px,
-                           static_cast<float>(sample_side * sample_side), out.reach);
+                           static_cast<float>(sample_side * sample_side), out.reach, area);
       CoarseTile tile = make_tile(planes, out.reach);
       tile.scale_index = static_cast<int>(s);
       tile.first_angle = a0;
-      set_sides(tile, planes, out.reach, d.min_visible);
+      set_sides(tile, planes, area, out.reach, d.min_visible);
+      set_shares(tile, planes, out.reach);
       out.tiles.push_back(std::move(tile));
     }
   }

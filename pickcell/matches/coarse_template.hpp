@@ -25,6 +25,8 @@ struct CoarseTile {
   };
   Sides found;  ///< the share that a match must show
   Sides named;  ///< the share from which a part at the border is still told
+  /// Share of the weight left of and above each line of cells, from -reach on: 0 to 1.
+  std::vector<float> left_of, above;
 };
 
 struct CoarseTemplates {

@@ -20,6 +20,8 @@ namespace pickcell::matches {
 
 /// What to look for in one picture. Unset values come from the model.
 struct SearchOptions {
+  /// Engine best answers at most the tolerances of limits.hpp beyond these: 0.5 degrees and 0.5 %, of a range of one
+  /// value 2 degrees and 2 %.
   std::optional<Range> angle_deg;
   std::optional<Range> scale;
   int max_matches = 1;              ///< best first; over all models together when there are several

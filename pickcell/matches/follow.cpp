@@ -60,8 +60,8 @@ class Follower {
     const LevelModel& model = model_.levels[static_cast<std::size_t>(level)];
     std::pmr::vector<char> done(end - begin, 0, memory_);
     parallel_for(static_cast<int>(end - begin), request_.threads, [&](int i, int worker) {
-      // The very first is always done: a spent budget still gives the best answer there is.
-      if (begin + static_cast<std::size_t>(i) > 0 && budget_.spent()) return;
+      // The very first is done as long as there is any time: a spent budget still gives the best answer there is.
+      if (begin + static_cast<std::size_t>(i) > 0 ? budget_.spent() : budget_.used_up()) return;
       Hypothesis& h = list[begin + static_cast<std::size_t>(i)];
       RefineScratch& scratch = scratch_[static_cast<std::size_t>(worker)];
       const float coarse = h.coarse;
@@ -98,6 +98,7 @@ class Follower {
     const std::size_t all = list.size();
     if (!request_.several && all > 1) {
       refine_all(list, 0, first, 0, 1);
+      if (list.size() < all) return refine_all(list, 0, first, 0, list.size());  // no time: all are dropped
       done = 1;
       double rival = -1;  // the others' scores are those of level 1
       for (std::size_t i = 1; i < all; ++i) rival = std::max(rival, list[i].score);

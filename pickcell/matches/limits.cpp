@@ -1,5 +1,6 @@
 #include "pickcell/matches/limits.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -8,6 +9,11 @@ namespace pickcell::matches {
 namespace {
 
 constexpr double kMaxAngleDeg = 720;
+
+constexpr double kRounding = 1e-9;
+
+double angle_tolerance_deg(Range r) { return r.lo == r.hi ? kFixedAngleTolerance_deg : kAngleTolerance_deg; }
+double scale_tolerance(Range r) { return r.lo == r.hi ? kFixedScaleTolerance : kScaleTolerance; }
 
 std::string words(Range r) {
   char text[80];
@@ -41,6 +47,28 @@ core::Status check_scale_range(const std::string& what, Range scale) {
   if (scale.lo < kMinScale || scale.hi > kMaxScale)
     return refuse(what, scale, "is outside 0.1 to 10", "1 is the taught size; 0.9,1.1 allows 10 percent");
   return {};
+}
+
+bool angle_answers(double angle_deg, Range range) {
+  return angle_in_range(angle_deg, range, angle_tolerance_deg(range) + kRounding);
+}
+
+bool scale_answers(double scale, Range range) {
+  const double s = scale_tolerance(range) + kRounding;
+  return scale >= range.lo * (1 - s) && scale <= range.hi * (1 + s);
+}
+
+double nearest_angle(double angle_deg, Range range) {
+  if (angle_answers(angle_deg, range)) return angle_deg;
+  const double slack_deg = angle_tolerance_deg(range);
+  const auto off = [&](double end_deg) { return std::abs(std::remainder(angle_deg - end_deg, 360.0)); };
+  if (range.lo == range.hi) return range.lo + std::copysign(slack_deg, std::remainder(angle_deg - range.lo, 360.0));
+  return off(range.lo) < off(range.hi) ? range.lo - slack_deg : range.hi + slack_deg;
+}
+
+double nearest_scale(double scale, Range range) {
+  const double s = scale_tolerance(range);
+  return scale_answers(scale, range) ? scale : std::clamp(scale, range.lo * (1 - s), range.hi * (1 + s));
 }
 
 bool angle_in_range(double angle_deg, Range range, double slack_deg) {

@@ -16,6 +16,18 @@ constexpr double kMaxScale = 10;
 /// Finite, lo <= hi, within kMinScale..kMaxScale.
 [[nodiscard]] core::Status check_scale_range(const std::string& what, Range scale);
 
+/// How far beyond the asked-for range an answer may lie. A range of a single value says how the part is meant to lie:
+/// tilt and lens move it a little.
+constexpr double kAngleTolerance_deg = 0.5, kFixedAngleTolerance_deg = 2;
+constexpr double kScaleTolerance = 0.005, kFixedScaleTolerance = 0.02;  ///< of the scale
+
+/// Whether an answer may have this angle (degrees), this scale.
+[[nodiscard]] bool angle_answers(double angle_deg, Range range);
+[[nodiscard]] bool scale_answers(double scale, Range range);
+/// The nearest angle (degrees), scale, that an answer may have.
+[[nodiscard]] double nearest_angle(double angle_deg, Range range);
+[[nodiscard]] double nearest_scale(double scale, Range range);
+
 /// Whether the angle lies in the range, which may cross 180, widened by slack at both ends. Degrees.
 [[nodiscard]] bool angle_in_range(double angle_deg, Range range, double slack_deg);
 

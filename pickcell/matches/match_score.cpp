@@ -56,7 +56,7 @@ double match_score(const SceneLevel& scene, const LevelModel& model, const Hypot
   const LevelMap map = at_level(h.place, scene.level);
   const double by_edges = edges(*scene.field, model.edges, map);
   const double by_grey = model.grey.flat() ? by_edges : grey(scene.grey, model.grey, map, scratch.grey);
-  return 0.2 * h.ncc + 0.6 * by_edges + 0.2 * by_grey;
+  return 0.2 * h.ncc + kEdgesInScore * by_edges + 0.2 * by_grey;
 }
 
 }  // namespace pickcell::matches

@@ -7,6 +7,8 @@
 
 namespace pickcell::matches {
 
+constexpr double kEdgesInScore = 0.6;
+
 /// 0.2 NCC + 0.6 edges + 0.2 grey. Edges and grey are means over a grid of 4 x 4 blocks on the part, weighed by what
 /// the template holds there: of the correlation of the scene's edge directions with the template's (blur and low
 /// contrast weaken all of a scene's edges, which this does not mind), and of the NCC within the block (a shadow or an

@@ -15,9 +15,7 @@
 namespace pickcell::matches {
 namespace {
 
-constexpr double kAngleSlack_deg = 3;  // a result may lie this much outside the asked-for range
-constexpr double kScaleSlack = 0.051;  // as far as refinement goes
-constexpr double kLeastContrast = 2;   // grey values
+constexpr double kLeastContrast = 2;  // grey values
 constexpr double kLeastGain = 0.05;
 constexpr std::size_t kMostRejected = 100;
 constexpr double kSameTurn_deg = 4;
@@ -33,9 +31,10 @@ constexpr double kVague_px = 0.1;  // a place known worse than this by its grey 
 constexpr double kAlike = 0.8;     // of the self-match at another turn
 constexpr std::size_t kSettledTurns = 16;  // known to teaching: more cost more than they tell
 constexpr double kExact_deg = 0.1;         // of the turns of a symmetry
-constexpr double kDoubtful = 0.4;          // below 1: the score from which the lead counts fully
-
-bool angle_allowed(double angle_deg, Range range) { return angle_in_range(angle_deg, range, kAngleSlack_deg); }
+constexpr double kWhole = 0.99;            // of the part in the picture
+constexpr double kMostGrowthHeld = 0.025;  // blur takes a scale further than noise a turn
+constexpr double kHeld = 0.01;     // of the score: less lost by moving a place into its ranges says it may lie there
+constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
 /// From (x, y, turn, growth) of the scene about the anchor to (x_px, y_px, angle_deg, scale) of the reference point.
 Eigen::Matrix4d moved_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
@@ -120,10 +119,11 @@ void Selection::add_at_border(const BestModel& model, int model_index, const Fol
     const bool known = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& o) {
       return o.model == &model && same_place(o.h.place, h.place, model.side_px);
     });
-    if (known || h.inside >= settings_.min_visible) continue;
+    if (known || h.inside >= kWhole) continue;
     Entry e = entry(model, model_index, h, score_of(model, h));
     const RejectReason* const reason = fault(e);
-    if (reason && *reason == RejectReason::border && e.score >= limit_of(e)) turn_down(std::move(e), *reason);
+    if (e.score < limit_of(e) && !cut_off(e)) continue;
+    if (!reason || *reason == RejectReason::border) turn_down(std::move(e), RejectReason::border);
   }
 }
 
@@ -137,7 +137,7 @@ void Selection::note_ambiguity(Entry& e, double offset_deg, double score) {
 /// Tries the angles at which teaching saw the same part again and, unless the result is sure, all others; takes the
 /// best and notes the ones as good.
 void Selection::resolve_angle(Entry& e) {
-  const Range allowed = options_.angle_deg.value_or(e.model->model->angle_deg);
+  const Range allowed = angles_of(e);
   std::pmr::vector<Hypothesis> tries({e.h}, memory_);
   const Learnt& learnt = e.model->model->learnt;
   // Of a gear of many teeth each turn of its symmetry is as good as the next, and the sweep knows the others.
@@ -146,21 +146,23 @@ void Selection::resolve_angle(Entry& e) {
   for (const double offset : many ? offsets.first(0) : offsets) {
     Similarity s = e.h.place;
     s.angle_rad = wrap_rad(s.angle_rad + offset / kDegPerRad);
-    if (angle_allowed(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
+    if (angle_answers(s.angle_rad * kDegPerRad, allowed) && !budget_.spent())
       tries.push_back(settle(scene_.level(0), e.model->levels[0], s, e.model->scale, scratch_));
   }
-  const bool allowed_here = angle_allowed(e.h.place.angle_rad * kDegPerRad, allowed);
+  const bool allowed_here = angle_answers(e.h.place.angle_rad * kDegPerRad, allowed);
   // A wrong turn of a part that looks much like itself when turned may agree as well as a sure result.
   const bool alike = learnt.second_best_self_match >= kAlike;
   if (!allowed_here || alike || e.h.ncc < settings_.accept_ncc || e.h.edge < settings_.accept_edge)
     for (const Hypothesis& h : settled_turns(e.h, *e.model, allowed, scene_, scratch_, budget_, memory_))
-      if (angle_allowed(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
+      if (angle_answers(h.place.angle_rad * kDegPerRad, allowed)) tries.push_back(h);
   // A near-symmetric part that was found at a turn beyond the range is taken at one within it, if any fits.
   if (!allowed_here && tries.size() > 1) tries.erase(tries.begin());
   const Hypothesis* best = best_turn(tries, e.h.place, e.model->side_px);
   if (best != &tries.front() || !allowed_here) {
+    const double score = score_of(*e.model, *best);
+    if (!allowed_here && score < limit_of(e)) return;  // what was found lies beyond the range
     e.h = *best;
-    e.score = score_of(*e.model, e.h);
+    e.score = score;
   }
   e.outline = e.model->outline(e.h.place);
   for (const Hypothesis& t : tries)
@@ -171,9 +173,29 @@ void Selection::resolve_angle(Entry& e) {
   for (const double offset : offsets) {
     const double angle_deg = e.h.place.angle_rad * kDegPerRad + offset;
     if (std::abs(std::remainder(offset, 360.0 / learnt.symmetry_order)) < kExact_deg &&
-        angle_allowed(wrap_deg(angle_deg), allowed))
+        angle_answers(wrap_deg(angle_deg), allowed))
       note_ambiguity(e, offset, e.h.score);
   }
+}
+
+Range Selection::angles_of(const Entry& e) const { return options_.angle_deg.value_or(e.model->model->angle_deg); }
+
+/// What noise and covering carried a little beyond the asked-for ranges goes back to their end, if it agrees as well
+/// there.
+void Selection::hold_in_ranges(Entry& e) {
+  if (e.score < limit_of(e)) return;
+  Similarity s = e.h.place;
+  s.scale = nearest_scale(s.scale, e.model->scale);
+  s.angle_rad = wrap_rad(nearest_angle(s.angle_rad * kDegPerRad, angles_of(e)) / kDegPerRad);
+  const double turn_deg = std::abs(wrap_rad(s.angle_rad - e.h.place.angle_rad)) * kDegPerRad;
+  const double growth = std::abs(e.h.place.scale / s.scale - 1);
+  if ((turn_deg == 0 && growth == 0) || turn_deg > kAngleTolerance_deg || growth > kMostGrowthHeld) return;
+  Hypothesis held = evaluate(scene_.level(0), e.model->levels[0], s, scratch_);
+  if (held.score < e.h.score - kHeld) return;
+  held.coarse = e.h.coarse;
+  e.h = held;
+  e.score = score_of(*e.model, e.h);
+  e.outline = e.model->outline(e.h.place);
 }
 
 /// Whether the entry may still become a match: what is far below is not worth another look.
@@ -221,6 +243,11 @@ double Selection::limit_of(const Entry& e) const {
   return options_.min_score.value_or(e.model->model->learnt.suggested_min_score);
 }
 
+/// Whether it is what lies outside the picture that the score lacks: there no edge agrees.
+bool Selection::cut_off(const Entry& e) const {
+  return e.h.inside < kWhole && e.score + kEdgesInScore * (1 - e.h.inside) >= limit_of(e);
+}
+
 const RejectReason* Selection::fault(const Entry& e) const {
   static constexpr RejectReason kScore = RejectReason::score, kBorder = RejectReason::border,
                                 kScale = RejectReason::scale, kContrast = RejectReason::contrast,
@@ -228,19 +255,16 @@ const RejectReason* Selection::fault(const Entry& e) const {
   const bool flat = e.model->levels.front().grey.flat();
   if (!flat && (e.h.contrast < kLeastContrast || e.h.gain < kLeastGain)) return &kContrast;
   if (e.h.inside < settings_.min_visible) return &kBorder;
-  if (e.h.place.scale < e.model->scale.lo * (1 - kScaleSlack) ||
-      e.h.place.scale > e.model->scale.hi * (1 + kScaleSlack))
-    return &kScale;
-  if (!angle_allowed(e.h.place.angle_rad * kDegPerRad, options_.angle_deg.value_or(e.model->model->angle_deg)))
-    return &kLimit;
+  if (!scale_answers(e.h.place.scale, e.model->scale)) return &kScale;
+  if (!angle_answers(e.h.place.angle_rad * kDegPerRad, angles_of(e))) return &kLimit;
   if (options_.roi) {
     const Pose2d p = pose_of(e.h.place, e.model->ref_dx, e.model->ref_dy);
     const auto& r = *options_.roi;
     if (p.x_px < r.x - 0.5 || p.y_px < r.y - 0.5 || p.x_px > r.x + r.w - 0.5 || p.y_px > r.y + r.h - 0.5)
       return &kLimit;
   }
-  if (e.score < limit_of(e)) return &kScore;
-  return nullptr;
+  if (e.score >= limit_of(e)) return nullptr;
+  return cut_off(e) ? &kBorder : &kScore;
 }
 
 void Selection::turn_down(Entry&& e, RejectReason reason) {
@@ -254,6 +278,7 @@ void Selection::finish(FindResult& result) {
     if (contender(e)) contenders.push_back(&e);
   for (Entry* e : contenders)
     if (!budget_.spent()) resolve_angle(*e);
+  for (Entry& e : entries_) hold_in_ranges(e);
   if (options_.max_matches == 1) judge_leads();
   std::pmr::vector<Entry> passed(memory_), kept(memory_);
   for (Entry& e : entries_) {

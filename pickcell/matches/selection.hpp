@@ -19,7 +19,8 @@ class Selection {
   Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch,
             WorkBudget& budget, std::pmr::memory_resource* memory);
   void add(const BestModel& model, int model_index, Followed followed);
-  /// Of finds that show too little: those that would be matches further inside are turned down because of the border.
+  /// Of finds where no match is looked for: those that would be matches further inside are turned down because of the
+  /// border.
   void add_at_border(const BestModel& model, int model_index, const Followed& followed);
   /// Replaces matches and, when options.explain is set, rejected; adds its stage.
   void finish(FindResult& result);
@@ -42,11 +43,14 @@ class Selection {
   [[nodiscard]] double score_of(const BestModel& model, const Hypothesis& h);
   [[nodiscard]] bool contender(const Entry& e) const;
   [[nodiscard]] double limit_of(const Entry& e) const;
+  [[nodiscard]] Range angles_of(const Entry& e) const;
   void resolve_angle(Entry& e);
+  void hold_in_ranges(Entry& e);
   void note_ambiguity(Entry& e, double offset_deg, double score);
   /// The best score of anything of the same model elsewhere in the picture.
   [[nodiscard]] double rival_of(const Entry& e) const;
   void judge_leads();
+  [[nodiscard]] bool cut_off(const Entry& e) const;
   [[nodiscard]] const RejectReason* fault(const Entry& e) const;
   void turn_down(Entry&& e, RejectReason reason);
   void describe(const Entry& e, Match& out);

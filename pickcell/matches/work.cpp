@@ -20,11 +20,12 @@ double thread_cpu_ms() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-WorkBudget::WorkBudget(std::optional<double> limit_ms, CpuClock clock)
+WorkBudget::WorkBudget(std::optional<double> limit_ms, CpuClock clock, std::optional<double> whole_ms)
     : limit_ms_(limit_ms),
       clock_(std::move(clock)),
       start_ms_(limit_ms ? clock_() : 0),
       last_look_ms_(start_ms_),
+      whole_ms_(whole_ms.value_or(limit_ms.value_or(0))),
       owner_(this_thread()) {}
 
 bool WorkBudget::spent() {
@@ -35,6 +36,12 @@ bool WorkBudget::spent() {
   last_look_ms_ = now_ms;
   if (now_ms - start_ms_ >= *limit_ms_) spent_ = true;
   return spent_;
+}
+
+bool WorkBudget::used_up() {
+  if (!spent()) return false;
+  if (!used_up_ && this_thread() == owner_ && clock_() - start_ms_ >= whole_ms_) used_up_ = true;
+  return used_up_;
 }
 
 void parallel_for_threads(int count, int threads, const std::function<void(int, int)>& body) {

@@ -15,9 +15,13 @@ namespace pickcell::matches {
 class WorkBudget {
  public:
   using CpuClock = std::function<double()>;
-  explicit WorkBudget(std::optional<double> limit_ms = {}, CpuClock clock = thread_cpu_ms);
+  /// whole_ms: at most what may be used when the best there is shall still be followed to its end; unset: the limit.
+  explicit WorkBudget(std::optional<double> limit_ms = {}, CpuClock clock = thread_cpu_ms,
+                      std::optional<double> whole_ms = {});
   /// True once the limit has been reached; stays true.
   [[nodiscard]] bool spent();
+  /// True once the whole has been used up: then nothing is finished either. Any thread, as spent().
+  [[nodiscard]] bool used_up();
   /// The longest time between two looks at the clock so far: by so much a search may go on after its end.
   [[nodiscard]] double longest_step_ms() const { return longest_step_ms_; }
 
@@ -27,7 +31,8 @@ class WorkBudget {
   double start_ms_;
   double last_look_ms_;
   double longest_step_ms_ = 0;
-  std::atomic<bool> spent_{false};
+  double whole_ms_;
+  std::atomic<bool> spent_{false}, used_up_{false};
   std::size_t owner_;
 };
 

@@ -76,7 +76,8 @@ class Stages {
       : model_(model), best_(matches::prepare_model(model, model.scale, settings_)) {
     pyramid_.build(picture);
     scene_.start(pyramid_);
-    coarse_ = &scene_.coarse(band().factor, band().reach);
+    matches::WorkBudget no_limit;
+    coarse_ = scene_.coarse(band().factor, band().reach, no_limit);
     auto engine = matches::make_engine("best", {});
     matches::SearchOptions options;
     options.explain = true;
