@@ -141,7 +141,8 @@ bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOpt
   if (options.max_matches > 1 || f.found.empty()) return false;
   const Similarity& place = f.found.front().place;
   return angle_answers(place.angle_rad * kDegPerRad, options.angle_deg.value_or(model.model->angle_deg)) &&
-         scale_answers(place.scale, model.scale) && acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
+         std::abs(place.scale / nearest_scale(place.scale, model.scale) - 1) <= kMostGrowthHeld &&
+         acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 
 bool BestEngine::promising(const Followed& f, const BestModel& model) {

@@ -48,11 +48,18 @@ void set_gain(const std::vector<float>& before, int reach, int cells, std::vecto
   }
 }
 
+float gain_of(float column, float row) { return std::min(column * row, 1 / kLeastShare); }
+
 }  // namespace
 
+void CoarseSearch::make_up(const Map& map, int y, int x_lo, int x_hi, float* row) {
+  const float row_gain = map.row_gain[static_cast<std::size_t>(y)];
+  const float* column_gain = map.column_gain.data();
+  for (int x = x_lo; x < x_hi; ++x) row[x] *= gain_of(column_gain[x], row_gain);
+}
+
 float CoarseSearch::made_up(const Map& map, int x, int y, float score) {
-  const float gain = map.column_gain[static_cast<std::size_t>(x)] * map.row_gain[static_cast<std::size_t>(y)];
-  return score * std::min(gain, 1 / kLeastShare);
+  return score * gain_of(map.column_gain[static_cast<std::size_t>(x)], map.row_gain[static_cast<std::size_t>(y)]);
 }
 
 CoarseSearch::Span CoarseSearch::positions(int cells, int low, int high, double factor, const double* box_lo,
@@ -94,10 +101,9 @@ void CoarseSearch::fill(Map& map, const CoarseScene& scene, const CoarseTemplate
     std::fill(row, row + xs.lo, kNothing);
     std::fill(row + xs.hi, row + scene.width, kNothing);
     const bool whole_row = y >= t.reach && y < scene.height - t.reach;
-    for (int x = xs.lo; x < xs.hi; ++x) {
-      if (whole_row && x == t.reach && scene.width - t.reach > x) x = std::min(xs.hi, scene.width - t.reach);
-      if (x < xs.hi) row[x] = made_up(map, x, y, row[x]);
-    }
+    const int left_end = whole_row ? std::min(xs.hi, t.reach) : xs.hi;
+    make_up(map, y, xs.lo, left_end, row);
+    make_up(map, y, std::max({xs.lo, left_end, scene.width - t.reach}), xs.hi, row);
     map.row_best[static_cast<std::size_t>(y)] = *std::max_element(row + xs.lo, row + xs.hi);
   }
 }

@@ -63,6 +63,7 @@ class CoarseSearch {
   /// Positions along one axis from which enough of the template is in the picture, and inside the box.
   static Span positions(int cells, int low, int high, double factor, const double* box_lo, const double* box_hi);
   /// The score there as if what lies outside agreed as well as what is inside.
+  static void make_up(const Map& map, int y, int x_lo, int x_hi, float* row);
   static float made_up(const Map& map, int x, int y, float score);
   void fill(Map& map, const CoarseScene& scene, const CoarseTemplates& t, const CoarseTile& tile,
             const CoarseRequest& request);

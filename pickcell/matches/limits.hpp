@@ -24,6 +24,8 @@ constexpr double kScaleTolerance = 0.005, kFixedScaleTolerance = 0.02;  ///< of 
 /// Whether an answer may have this angle (degrees), this scale.
 [[nodiscard]] bool angle_answers(double angle_deg, Range range);
 [[nodiscard]] bool scale_answers(double scale, Range range);
+/// Blur takes a scale further than noise a turn: so far beyond its range (of the scale) a find may still be one in it.
+constexpr double kMostGrowthHeld = 0.025;
 /// The nearest angle (degrees), scale, that an answer may have.
 [[nodiscard]] double nearest_angle(double angle_deg, Range range);
 [[nodiscard]] double nearest_scale(double scale, Range range);

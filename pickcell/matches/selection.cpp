@@ -32,7 +32,6 @@ constexpr double kAlike = 0.8;     // of the self-match at another turn
 constexpr std::size_t kSettledTurns = 16;  // known to teaching: more cost more than they tell
 constexpr double kExact_deg = 0.1;         // of the turns of a symmetry
 constexpr double kWhole = 0.99;            // of the part in the picture
-constexpr double kMostGrowthHeld = 0.025;  // blur takes a scale further than noise a turn
 constexpr double kHeld = 0.01;     // of the score: less lost by moving a place into its ranges says it may lie there
 constexpr double kDoubtful = 0.4;  // below 1: the score from which the lead counts fully
 
