@@ -11,12 +11,12 @@
 #include <hwy/highway.h>
 
 #include "peak.hpp"
-#include "pickcell/matches/coarse_kernel.hpp"
-#include "pickcell/matches/contour_kernel.hpp"
-#include "pickcell/matches/orientation_field.hpp"
-#include "pickcell/matches/point_kernels.hpp"
-#include "pickcell/matches/rst_kernels.hpp"
-#include "pickcell/matches/rst_radial_kernels.hpp"
+#include "pickcell/matches/coarse/kernel.hpp"
+#include "pickcell/matches/fit/contour_kernel.hpp"
+#include "pickcell/matches/fields/orientation_field.hpp"
+#include "pickcell/matches/fit/point_kernels.hpp"
+#include "pickcell/matches/rst/kernels.hpp"
+#include "pickcell/matches/rst/radial_kernels.hpp"
 
 namespace pickcell::matches {
 namespace {

@@ -2,18 +2,19 @@
 #
 # WITHOUT leaves out the .cpp files whose name matches: what an option switched off.
 #
-# The one way to declare a module: folder pickcell/NAME becomes the library pickcell::NAME from every .cpp in it, its headers
-# a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and every *_test.cpp the
-# test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the module's headers
-# (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by tools/check_includes.py.
+# The one way to declare a module: folder pickcell/NAME becomes the library pickcell::NAME from every .cpp in it and in the
+# folders in it, its headers a FILE_SET (so that each header is compiled on its own by all_verify_interface_header_sets), and
+# every *_test.cpp the test program NAME_test with the label "unit". PUBLIC libraries are header-only ones that appear in the
+# module's headers (Eigen, tl::expected); everything else is PRIVATE: see the table in docs/architecture.md, kept by
+# tools/check_includes.py.
 # WITHOUT patterns of names leave out the files of options that are off.
 function(pickcell_module NAME)
   cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE;WITHOUT" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/pickcell/${NAME})
-  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
-  file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp)
+  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp ${dir}/*/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${dir}/*.hpp ${dir}/*/*.hpp)
   list(FILTER headers EXCLUDE REGEX "/[a-z_0-9]*-inl\\.hpp$")  # pieces of .cpp files
-  file(GLOB tests CONFIGURE_DEPENDS ${dir}/*_test.cpp)
+  file(GLOB tests CONFIGURE_DEPENDS ${dir}/*_test.cpp ${dir}/*/*_test.cpp)
   if(tests)
     list(REMOVE_ITEM sources ${tests})
   endif()

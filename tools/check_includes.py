@@ -30,6 +30,14 @@ LAYERS = {
     "cli": (("core", "image", "frames", "matches", "poses", "picks", "robot", "cell", "sim", "server"), ()),
 }
 
+# folder within a module -> folders beside it that it may include; what lies in the module itself serves all of them
+FOLDERS = {
+    "matches": {
+        "fields": (), "coarse": ("fields",), "fit": ("fields",), "learn": ("fields", "fit"),
+        "best": ("fields", "coarse", "fit"), "rst": ("fields", "coarse", "fit", "best"),
+    },
+}
+
 # third-party header pattern -> modules that may use it in .cpp files
 THIRD_PARTY = {
     r"nlohmann/": ("core",), r"toml\+\+": ("core",),
@@ -49,6 +57,16 @@ def allowed(module, header):
     return header.split("/")[1] in modules or any(pathlib.PurePath(header).match(s) for s in singles)
 
 
+def allowed_within(path, header):
+    """Of a header of the same module: by the table of its folders, tests excepted."""
+    folders = FOLDERS.get(path.parts[1])
+    target = pathlib.PurePath(header).parts
+    if folders is None or len(path.parts) < 4 or len(target) < 4 or target[1] != path.parts[1]:
+        return True
+    here, there = path.parts[2], target[2]
+    return here == there or there in folders.get(here, ())
+
+
 def breaches_of(path, graph):
     module = path.parts[1]
     is_test = path.stem.endswith("_test") or path.stem.endswith("_fuzz")
@@ -61,6 +79,8 @@ def breaches_of(path, graph):
             graph.setdefault(str(path), []).append(header)
             if not allowed(module, header):
                 found.append(f"{path}: {module} may not include {header}")
+            elif not is_test and not allowed_within(path, header):
+                found.append(f"{path}: {'/'.join(path.parts[1:3])} may not include {header}")
         elif kind == '"':
             found.append(f"{path}: \"{header}\": project headers are included by their path from the root (pickcell/...)")
         else:

@@ -1,8 +1,8 @@
 #include "pickcell/matches/engine.hpp"
 
 #include "pickcell/core/config.hpp"
-#include "pickcell/matches/best_engine.hpp"
-#include "pickcell/matches/rst_engine.hpp"
+#include "pickcell/matches/best/engine.hpp"
+#include "pickcell/matches/rst/engine.hpp"
 
 namespace pickcell::matches {
 

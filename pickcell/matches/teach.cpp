@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pickcell/matches/learn/part_features.hpp"
+#include "pickcell/matches/learn/self_match.hpp"
 #include "pickcell/matches/limits.hpp"
-#include "pickcell/matches/part_features.hpp"
-#include "pickcell/matches/self_match.hpp"
 
 namespace pickcell::matches {
 

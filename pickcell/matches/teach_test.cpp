@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "pickcell/matches/self_match.hpp"
+#include "pickcell/matches/learn/self_match.hpp"
 
 namespace pickcell::matches {
 namespace {

@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "pickcell/matches/known_parts.hpp"
-#include "pickcell/matches/symmetry.hpp"
+#include "pickcell/matches/learn/known_parts.hpp"
+#include "pickcell/matches/learn/symmetry.hpp"
 
 namespace pickcell::matches {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "pickcell/core/config.hpp"
-#include "pickcell/matches/rst_settings.hpp"
+#include "pickcell/matches/rst/settings.hpp"
 
 namespace {
 
