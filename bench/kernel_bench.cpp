@@ -12,8 +12,8 @@
 
 #include "peak.hpp"
 #include "pickcell/matches/coarse/kernel.hpp"
-#include "pickcell/matches/fit/contour_kernel.hpp"
 #include "pickcell/matches/fields/orientation_field.hpp"
+#include "pickcell/matches/fit/contour_kernel.hpp"
 #include "pickcell/matches/fit/point_kernels.hpp"
 #include "pickcell/matches/rst/kernels.hpp"
 #include "pickcell/matches/rst/radial_kernels.hpp"

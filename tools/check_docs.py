@@ -131,6 +131,7 @@ def check_house(texts):
     house = rows(texts["docs/architecture.md"])
     folders = {p.name for p in (ROOT / "tests").iterdir() if (p / "CMakeLists.txt").exists()}
     folders |= {f"pickcell/{p.name}" for p in (ROOT / "pickcell").iterdir() if p.is_dir()}
+    folders |= {f"matches/{p.name}" for p in (ROOT / "pickcell/matches").iterdir() if p.is_dir()}
     cmake = "".join(t for p, t in texts.items() if p.endswith(("CMakeLists.txt", ".cmake")))
     labels, told = set(re.findall(r"\bLABELS? ([a-z]+)\b", cmake)), rows(texts["HACKING.md"])
     return (
