@@ -71,6 +71,10 @@ double nearest_scale(double scale, Range range) {
   return scale_answers(scale, range) ? scale : std::clamp(scale, range.lo * (1 - s), range.hi * (1 + s));
 }
 
+bool may_answer(double angle_deg, Range angles_deg, double scale, Range scales) {
+  return angle_answers(angle_deg, angles_deg) && std::abs(scale / nearest_scale(scale, scales) - 1) <= kMostGrowthHeld;
+}
+
 bool angle_in_range(double angle_deg, Range range, double slack_deg) {
   const double width = range.hi - range.lo + 2 * slack_deg;
   if (width >= 360) return true;

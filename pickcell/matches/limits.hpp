@@ -29,6 +29,8 @@ constexpr double kMostGrowthHeld = 0.025;
 /// The nearest angle (degrees), scale, that an answer may have.
 [[nodiscard]] double nearest_angle(double angle_deg, Range range);
 [[nodiscard]] double nearest_scale(double scale, Range range);
+/// Whether a find may become an answer, at its place or held within its ranges. Degrees.
+[[nodiscard]] bool may_answer(double angle_deg, Range angles_deg, double scale, Range scales);
 
 /// Whether the angle lies in the range, which may cross 180, widened by slack at both ends. Degrees.
 [[nodiscard]] bool angle_in_range(double angle_deg, Range range, double slack_deg);

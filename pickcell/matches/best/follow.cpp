@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "pickcell/matches/limits.hpp"
+
 namespace pickcell::matches {
 namespace {
 
@@ -102,7 +104,7 @@ class Follower {
       done = 1;
       double rival = -1;  // the others' scores are those of level 1
       for (std::size_t i = 1; i < all; ++i) rival = std::max(rival, list[i].score);
-      if (request_.sure.accepts(list[0], rival)) {
+      if (answers(list[0]) && request_.sure.accepts(list[0], rival)) {
         for (std::size_t i = 1; i < all; ++i) drop(list[i], RejectReason::limit);
         list.resize(1);
         polish_best(list);
@@ -117,7 +119,7 @@ class Follower {
   /// The contenders for a match, of a list with the best first; the order may change.
   void polish_best(std::pmr::vector<Hypothesis>& list) {
     if (list.empty()) return;
-    const double least = (request_.several ? request_.floor : list.front().score) - kContender;
+    const double least = (request_.several ? request_.floor : best_answer(list)) - kContender;
     const SceneLevel scene = scene_.level(0);
     const LevelModel& model = model_.levels[0];
     const int most = request_.several ? static_cast<int>(list.size()) : kMostContenders;
@@ -129,6 +131,16 @@ class Follower {
     sort_best_first(list);
   }
 
+  /// Of a single search: what lies beyond the ranges may look more like the part than the part that is asked for.
+  [[nodiscard]] bool answers(const Hypothesis& h) const {
+    return may_answer(h.place.angle_rad * kDegPerRad, request_.angle_deg, h.place.scale, model_.scale);
+  }
+  /// The score of the best that may answer, of a list with the best first.
+  [[nodiscard]] double best_answer(const std::pmr::vector<Hypothesis>& list) const {
+    const auto best = std::find_if(list.begin(), list.end(), [&](const Hypothesis& h) { return answers(h); });
+    return best == list.end() ? list.front().score : best->score;
+  }
+
   void drop(const Hypothesis& h, RejectReason reason) { out_.dropped.push_back({h, reason, Stage::fine}); }
 
   /// Keeps the best, without doubles; every location keeps its own best when several parts are searched for.
@@ -137,14 +149,18 @@ class Follower {
     std::pmr::vector<Hypothesis> kept(memory_);
     kept.reserve(list.size());
     for (const Hypothesis& h : list) {
-      const Hypothesis* rival = !request_.several && !kept.empty() ? &kept.front() : nullptr;
+      const Hypothesis* rival = nullptr;
+      if (!request_.several) {
+        const auto best = std::find_if(kept.begin(), kept.end(), [&](const Hypothesis& k) { return answers(k); });
+        if (best != kept.end()) rival = &*best;
+      }
       int here = 0;
       bool same = false;
       for (const Hypothesis& k : kept) {
         same = same || same_place(k.place, h.place, model_.side_px);
         if (!nearer_than(k.place, h.place, kLocation * model_.side_px)) continue;
         ++here;
-        if (!rival) rival = &k;
+        if (!rival && request_.several) rival = &k;
       }
       if (same)
         drop(h, RejectReason::overlap);

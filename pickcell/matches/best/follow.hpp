@@ -36,6 +36,7 @@ struct FollowRequest {
   double floor = -1;     ///< a result below this is of no use: dropped early, with some slack
   bool several = false;  ///< no location may push another out
   int threads = 1;
+  Range angle_deg;  ///< single: what lies beyond is no rival, and ends no search
   Acceptance sure;  ///< single: ends the search
 };
 

@@ -126,6 +126,7 @@ Followed BestEngine::descend(std::span<const CoarseCandidate> candidates, const 
   down.floor = options.min_score.value_or(model.model->learnt.suggested_min_score);
   down.threads = static_cast<int>(scratch_.size());
   down.sure = acceptance();
+  down.angle_deg = options.angle_deg.value_or(model.model->angle_deg);
   const int top = std::min({start_level(templates), static_cast<int>(model.levels.size()) - 1, scene_.levels() - 1});
   const int from = std::max(0, top - lower);
   Followed out = follow(candidates, model, from, scene_, down, budget, scratch_, &arena_);
@@ -140,8 +141,8 @@ Acceptance BestEngine::acceptance() const {
 bool BestEngine::sure(const Followed& f, const BestModel& model, const SearchOptions& options) const {
   if (options.max_matches > 1 || f.found.empty()) return false;
   const Similarity& place = f.found.front().place;
-  return angle_answers(place.angle_rad * kDegPerRad, options.angle_deg.value_or(model.model->angle_deg)) &&
-         std::abs(place.scale / nearest_scale(place.scale, model.scale) - 1) <= kMostGrowthHeld &&
+  return may_answer(place.angle_rad * kDegPerRad, options.angle_deg.value_or(model.model->angle_deg), place.scale,
+                    model.scale) &&
          acceptance().accepts(f.found.front(), f.rival_score(model.side_px));
 }
 

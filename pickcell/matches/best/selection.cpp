@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pickcell/matches/best/turns.hpp"
+#include "pickcell/matches/fit/final_fit.hpp"
 #include "pickcell/matches/fit/fit_quality.hpp"
 #include "pickcell/matches/fit/match_score.hpp"
 #include "pickcell/matches/limits.hpp"
@@ -179,6 +180,22 @@ void Selection::resolve_angle(Entry& e) {
 
 Range Selection::angles_of(const Entry& e) const { return options_.angle_deg.value_or(e.model->model->angle_deg); }
 
+/// The exact place of a masked part, before it is judged by its ranges; its score is that of this place. A place that
+/// scores clearly worse is not taken.
+void Selection::look_last(Entry& e) {
+  if (e.score + kLeadCounts * kMostLead < limit_of(e)) return;
+  const SceneLevel scene = scene_.level(0);
+  const auto last = fit_finally(scene.grey, e.model->final_points, e.h.place, scratch_.grey, scratch_.contour);
+  if (!last) return;
+  Hypothesis exact = evaluate(scene, e.model->levels[0], last->place, scratch_);
+  if (exact.score < e.h.score - kHeld) return;
+  exact.coarse = e.h.coarse;
+  e.h = exact;
+  e.score = score_of(*e.model, e.h);
+  e.outline = e.model->outline(e.h.place);
+  e.covariance = last->covariance;
+}
+
 /// What noise and covering carried a little beyond the asked-for ranges goes back to their end, if it agrees as well
 /// there.
 void Selection::hold_in_ranges(Entry& e) {
@@ -277,7 +294,10 @@ void Selection::finish(FindResult& result) {
     if (contender(e)) contenders.push_back(&e);
   for (Entry* e : contenders)
     if (!budget_.spent()) resolve_angle(*e);
-  for (Entry& e : entries_) hold_in_ranges(e);
+  for (Entry& e : entries_) {
+    if (!budget_.spent()) look_last(e);
+    hold_in_ranges(e);
+  }
   if (options_.max_matches == 1) judge_leads();
   std::pmr::vector<Entry> passed(memory_), kept(memory_);
   for (Entry& e : entries_) {
@@ -346,12 +366,7 @@ void Selection::describe(const Entry& e, Match& m) {
       const Eigen::Matrix4d by_contours = moved_covariance(*c, e.h.place, e.model->ref_dx, e.model->ref_dy);
       if (grey_px_sq == 0 || by_contours.topLeftCorner<2, 2>().trace() < grey_px_sq) m.covariance = by_contours;
     }
-  if (const auto last = getenv("NOFIN") ? std::nullopt
-                                        : fit_finally(scene.grey, e.model->final_points, e.h.place, scratch_.grey,
-                                                      scratch_.contour)) {
-    m.pose = pose_of(last->place, e.model->ref_dx, e.model->ref_dy);
-    m.covariance = moved_covariance(last->covariance, last->place, e.model->ref_dx, e.model->ref_dy);
-  }
+  if (e.covariance) m.covariance = moved_covariance(*e.covariance, e.h.place, e.model->ref_dx, e.model->ref_dy);
   m.ambiguous_deg.assign(e.ambiguous_deg.begin(), e.ambiguous_deg.end());
 }
 

@@ -2,6 +2,7 @@
 /// The last decisions: what becomes a match, what is turned down and why.
 
 #include <memory_resource>
+#include <optional>
 #include <vector>
 
 #include "pickcell/matches/best/follow.hpp"
@@ -33,6 +34,7 @@ class Selection {
     double score;  ///< match_score of h
     RotatedRect outline;
     std::pmr::vector<double> ambiguous_deg;
+    std::optional<Eigen::Matrix4d> covariance = {};  ///< of h.place, where a last look told it
   };
   struct Turned {
     Entry entry;
@@ -45,6 +47,7 @@ class Selection {
   [[nodiscard]] double limit_of(const Entry& e) const;
   [[nodiscard]] Range angles_of(const Entry& e) const;
   void resolve_angle(Entry& e);
+  void look_last(Entry& e);
   void hold_in_ranges(Entry& e);
   void note_ambiguity(Entry& e, double offset_deg, double score);
   /// The best score of anything of the same model elsewhere in the picture.
