@@ -113,6 +113,43 @@ TEST(BestRanges, AnswersKeepToTheirRanges) {
   }
 }
 
+/// What is not asked for may look more like the part, and yet does not hide it.
+TEST(BestRanges, AnotherOneBeyondTheRangeHidesNothing) {
+  const Texture texture(70, 54, 2);
+  const Model model = testing::texture_model(texture, 70, 54);
+  const Model* one[] = {&model};
+  const Pose2d asked_for{90, 110, 20, 1.04};
+  image::Image picture = testing::draw_ground(360, 240, 5);
+  testing::draw_part(picture, texture, model, {250, 120, 75, 1.15});
+  testing::draw_part(picture, texture, model, asked_for);
+  testing::add_noise(picture, 3, 2);
+  SearchOptions options;
+  for (const double low : {0.9, 1.0, 1.03}) {
+    options.scale = Range{low, 1.05};
+    const FindResult found = find(picture, one, options);
+    ASSERT_EQ(found.matches.size(), 1u) << low;
+    EXPECT_LT(testing::distance_px(found.matches[0].pose, asked_for), 0.3) << low;
+  }
+}
+
+/// A wire has the finest cells there are and a wide circle: what is made of it stays small.
+TEST(BestRanges, ALongWireIsPreparedAtOnce) {
+  Model wire;
+  wire.name = "wire";
+  wire.picture.resize(9, 800);
+  wire.picture.fill(60);
+  wire.mask.resize(9, 800);
+  for (int y = 5; y < 795; ++y)
+    for (int x = 3; x < 6; ++x) {
+      wire.picture.at(x, y) = static_cast<std::uint8_t>(200 - 3 * (y % 17));
+      wire.mask.at(x, y) = 255;
+    }
+  wire.scale = {0.8, 1.25};
+  const CoarseTemplates templates = build_coarse_templates(build_template_pyramid(wire), CoarseDetail{}, wire.scale);
+  const double side = 2 * templates.reach + 1;
+  EXPECT_LT(4 * static_cast<double>(templates.tiles.size()) * side * side, 2e8);
+}
+
 TEST(BestRanges, TheNearestAnswerOfARange) {
   EXPECT_EQ(nearest_angle(3, {-10, 10}), 3);
   EXPECT_EQ(nearest_angle(12, {-10, 10}), 10.5);

@@ -14,6 +14,7 @@ namespace {
 constexpr float kWeightOfOne = 100.f;    // weights are rounded to bytes
 constexpr float kLeastMagnitude = 0.1f;  // weaker places add taps, not information
 constexpr int kOutlineDilation_px = 2;   // the outline counts, although half of its gradient lies outside the mask
+constexpr double kMostCells = 1e8;
 constexpr int kWorkRounds = 3;
 constexpr double kBandRatio = 1.42;   // 0.5 to 2 makes four bands
 constexpr double kNamedShare = 0.5;   // a part at the border that shows less is not told from the ground
@@ -196,13 +197,24 @@ std::vector<double> scale_steps(Range scale, double rim, double step) {
 /// The scale of the range at which the template's own cells are counted.
 double nominal(Range scale) { return std::clamp(1.0, scale.lo, scale.hi); }
 
+int angle_count(double rim, const CoarseDetail& d) {
+  return 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
+}
+
+/// About as many cells as the templates of a factor are made of, empty ones included.
+double cells_to_fill(const TemplatePyramid& t, const CoarseDetail& d, Range scale, double factor) {
+  const double side = std::hypot(t.width(), t.height()) * scale.hi / factor + 3;
+  const double scales = static_cast<double>(scale_steps(scale, rim_cells(t, factor), d.scale_step).size());
+  return angle_count(rim_cells(t, factor / nominal(scale)), d) * scales * side * side;
+}
+
 CoarseTemplates build_with_factor(const TemplatePyramid& t, const CoarseDetail& d, Range scale, double factor) {
   CoarseTemplates out;
   out.factor = factor;
   const double own_factor = factor / nominal(scale);
   const int level = std::min(field_level(std::max(1.0, own_factor)), static_cast<int>(t.levels.size()) - 1);
   const double rim = rim_cells(t, own_factor);
-  out.angles = 4 * std::max(2, static_cast<int>(std::ceil(2 * std::numbers::pi * rim / d.angle_step / 4)));
+  out.angles = angle_count(rim, d);
   out.scales = scale_steps(scale, rim_cells(t, out.factor), d.scale_step);
   out.side = std::max(1, static_cast<int>(std::lround(std::sqrt(t.area_px) / out.factor)));
 
@@ -251,6 +263,9 @@ double CoarseTemplates::work() const {
 
 CoarseTemplates build_coarse_templates(const TemplatePyramid& t, const CoarseDetail& d, Range scale) {
   double factor = std::max(1.0, nominal(scale) * choose_factor(t, d));
+  // A wire of 800 pixels would ask for cells of one pixel, thousands of angles and minutes of building.
+  for (double cells = 0; (cells = cells_to_fill(t, d, scale, factor)) > kMostCells;)
+    factor *= 1.02 * std::pow(cells / kMostCells, 0.25);
   CoarseTemplates out = build_with_factor(t, d, scale, factor);
   for (int round = 0; round < kWorkRounds && out.work() > d.most_work; ++round) {
     factor *= std::pow(1.05 * out.work() / d.most_work, 0.2);
