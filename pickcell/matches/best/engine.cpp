@@ -124,11 +124,15 @@ core::Status BestEngine::find_into(const image::Pyramid& scene, std::span<const 
     selection.add(model, static_cast<int>(i),
                   options.max_matches > 1 ? search_several(model, options, budget, result)
                                           : search(model, options, budget, result));
-    if (options.explain && !budget.spent())
-      selection.add_at_border(model, static_cast<int>(i), search_border(model, options, budget, result));
   }
   selection.finish(result);
   result.complete = !budget.spent();
+  // Only now, so that explaining changes neither the answer nor whether it is complete.
+  for (std::size_t i = 0; options.explain && i < models.size() && !budget.spent(); ++i) {
+    BestModel& model = prepared(*models[i], options.scale.value_or(models[i]->scale));
+    selection.add_at_border(model, static_cast<int>(i), search_border(model, options, budget, result));
+  }
+  selection.tell_rejected(result);
   result.longest_step_ms = budget.longest_step_ms();
   if (!result.complete) note_finishing(options, cpu_ms_() - start_ms);
   return {};

@@ -283,6 +283,12 @@ const RejectReason* Selection::fault(const Entry& e) const {
   return cut_off(e) ? &kBorder : &kScore;
 }
 
+bool Selection::before(const Entry& a, const Entry& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return std::tie(a.model_index, a.h.place.y_px, a.h.place.x_px) <
+         std::tie(b.model_index, b.h.place.y_px, b.h.place.x_px);
+}
+
 void Selection::turn_down(Entry&& e, RejectReason reason) {
   if (options_.explain) turned_.push_back({std::move(e), reason, Stage::final});
 }
@@ -306,12 +312,7 @@ void Selection::finish(FindResult& result) {
     else
       passed.push_back(std::move(e));
   }
-  const auto order = [](const Entry& a, const Entry& b) {
-    if (a.score != b.score) return a.score > b.score;
-    return std::tie(a.model_index, a.h.place.y_px, a.h.place.x_px) <
-           std::tie(b.model_index, b.h.place.y_px, b.h.place.x_px);
-  };
-  std::sort(passed.begin(), passed.end(), order);
+  std::sort(passed.begin(), passed.end(), before);
   for (Entry& e : passed) {
     const auto rival = std::find_if(
         kept.begin(), kept.end(), [&](const Entry& k) { return overlap(k.outline, e.outline) > options_.max_overlap; });
@@ -335,9 +336,12 @@ void Selection::finish(FindResult& result) {
   report.survivors = static_cast<std::int64_t>(kept.size());
   report.ms = thread_cpu_ms() - start_ms;
   result.stages.push_back(report);
-  std::sort(turned_.begin(), turned_.end(), [&](const Turned& a, const Turned& b) {
+}
+
+void Selection::tell_rejected(FindResult& result) {
+  std::sort(turned_.begin(), turned_.end(), [](const Turned& a, const Turned& b) {
     if (a.stage != b.stage) return a.stage > b.stage;
-    if (order(a.entry, b.entry) || order(b.entry, a.entry)) return order(a.entry, b.entry);
+    if (before(a.entry, b.entry) || before(b.entry, a.entry)) return before(a.entry, b.entry);
     return std::tie(a.entry.h.place.angle_rad, a.entry.h.place.scale, a.reason) <
            std::tie(b.entry.h.place.angle_rad, b.entry.h.place.scale, b.reason);
   });

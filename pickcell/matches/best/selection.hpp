@@ -20,11 +20,13 @@ class Selection {
   Selection(BestScene& scene, const SearchOptions& options, const BestSettings& settings, RefineScratch& scratch,
             WorkBudget& budget, std::pmr::memory_resource* memory);
   void add(const BestModel& model, int model_index, Followed followed);
-  /// Of finds where no match is looked for: those that would be matches further inside are turned down because of the
-  /// border.
-  void add_at_border(const BestModel& model, int model_index, const Followed& followed);
-  /// Replaces matches and, when options.explain is set, rejected; adds its stage.
+  /// Replaces the matches; adds its stage.
   void finish(FindResult& result);
+  /// After finish(): of finds where no match is looked for, those that would be matches further inside are turned down
+  /// because of the border.
+  void add_at_border(const BestModel& model, int model_index, const Followed& followed);
+  /// Replaces rejected: with options.explain all that was turned down, the most interesting first.
+  void tell_rejected(FindResult& result);
 
  private:
   struct Entry {
@@ -55,6 +57,8 @@ class Selection {
   void judge_leads();
   [[nodiscard]] bool cut_off(const Entry& e) const;
   [[nodiscard]] const RejectReason* fault(const Entry& e) const;
+  /// Best first.
+  [[nodiscard]] static bool before(const Entry& a, const Entry& b);
   void turn_down(Entry&& e, RejectReason reason);
   void describe(const Entry& e, Match& out);
 
