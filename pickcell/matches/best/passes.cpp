@@ -45,13 +45,14 @@ float weakest_candidate(const Followed& all, double least_score) {
 
 /// Where candidates looked like parts and none was found, best first: places of the anchor.
 std::pmr::vector<Hypothesis> lost_places(const Followed& all, const BestModel& model, double least_score, float best,
-                                         std::pmr::memory_resource* memory) {
+                                         double min_visible, std::pmr::memory_resource* memory) {
   std::pmr::vector<Hypothesis> lost(memory);
   const auto apart = [&](const Hypothesis& a, const Hypothesis& b) {
     return std::hypot(a.place.x_px - b.place.x_px, a.place.y_px - b.place.y_px) > kLostReach * model.side_px;
   };
   for (const Dropped& d : all.dropped) {
     if (d.reason != RejectReason::score || d.hypothesis.coarse < kLostLimit * best) continue;
+    if (d.hypothesis.inside < min_visible) continue;  // no match in any case
     const bool known = std::any_of(all.found.begin(), all.found.end(), [&](const Hypothesis& h) {
       return h.score >= least_score && !apart(h, d.hypothesis);
     });
@@ -260,7 +261,7 @@ void BestEngine::look_again(BestModel& model, const SearchOptions& options, floa
                             Followed& all, FindResult& result) {
   prepare_thorough(model);
   const double least = options.min_score.value_or(model.model->learnt.suggested_min_score);
-  for (const Hypothesis& h : lost_places(all, model, least, best, &arena_)) {
+  for (const Hypothesis& h : lost_places(all, model, least, best, settings_.min_visible, &arena_)) {
     CoarseRequest how;
     how.candidates = settings_.thorough.candidates;
     how.per_location = how.candidates;
