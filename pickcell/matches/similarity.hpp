@@ -1,6 +1,7 @@
 #pragma once
 /// Inside the engine: the similarity that carries template points, taken about the model's anchor, into the scene.
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -102,6 +103,17 @@ struct Increment {
   s.x_px -= a * tx + b * ty;
   s.y_px -= -b * tx + a * ty;
   return s;
+}
+
+/// (dx, dy, turn, growth) of the template about the anchor move the scene the other way.
+[[nodiscard]] inline Eigen::Matrix4d scene_from_template(const Similarity& s) {
+  const double a = s.scale * std::cos(s.angle_rad), b = s.scale * std::sin(s.angle_rad);
+  Eigen::Matrix4d K;
+  K << -a, -b, 0, 0,  //
+      b, -a, 0, 0,    //
+      0, 0, -1, 0,    //
+      0, 0, 0, -1;
+  return K;
 }
 
 }  // namespace pickcell::matches

@@ -50,15 +50,9 @@ Eigen::Matrix4d moved_covariance(const Eigen::Matrix4d& C, const Similarity& s, 
   return J * C * J.transpose();
 }
 
-/// The same from (dx, dy, turn, growth) of the template about the anchor, which move the scene the other way.
+/// The same from (dx, dy, turn, growth) of the template about the anchor.
 Eigen::Matrix4d pose_covariance(const Eigen::Matrix4d& C, const Similarity& s, double ref_dx, double ref_dy) {
-  const double a = s.scale * std::cos(s.angle_rad);
-  const double b = s.scale * std::sin(s.angle_rad);
-  Eigen::Matrix4d K;
-  K << -a, -b, 0, 0,  //
-      b, -a, 0, 0,    //
-      0, 0, -1, 0,    //
-      0, 0, 0, -1;
+  const Eigen::Matrix4d K = scene_from_template(s);
   return moved_covariance(K * C * K.transpose(), s, ref_dx, ref_dy);
 }
 

@@ -27,17 +27,6 @@ constexpr double kTogether_px = 0.003;
 constexpr double kTogetherWithGrey_px = 0.03;
 constexpr double kMeanRadius = 0.6;  // of the furthest point's
 
-/// (dx, dy, turn, growth) of the template about the anchor move the scene the other way.
-Eigen::Matrix4d scene_from_template(const Similarity& s) {
-  const double a = s.scale * std::cos(s.angle_rad), b = s.scale * std::sin(s.angle_rad);
-  Eigen::Matrix4d K;
-  K << -a, -b, 0, 0,  //
-      b, -a, 0, 0,    //
-      0, 0, -1, 0,    //
-      0, 0, 0, -1;
-  return K;
-}
-
 std::optional<Evidence> grey_evidence(image::ImageView picture, const FinalPoints& points, const Similarity& place,
                                       WeightedSamples& samples) {
   if (points.inside.size() == 0) return {};
